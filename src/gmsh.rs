@@ -1,0 +1,1 @@
+//! Gmsh `.geo` and `.msh` files to [`crate::mesh::Mesh`].

@@ -1,6 +1,19 @@
 //! peristitch: quasi-static fracture in two dimensions by a hybrid of peridynamics and finite elements.
 #![deny(unsafe_code)]
 
+pub mod assembly;
+pub mod boundary;
+pub mod coupling;
+pub mod fem;
+pub mod geometry;
 pub mod gmsh;
+pub mod linear_solver;
+pub mod material;
 pub mod mesh;
+pub mod model;
 pub mod output;
+pub mod peridynamics;
+pub mod phases;
+pub mod springs;
+pub mod statics;
+pub mod support;

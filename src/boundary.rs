@@ -1,0 +1,316 @@
+//! Supports and loads: physical groups to prescribed dofs and nodal forces.
+//!
+//! A curve acts on the finite-element nodes on it, and on the layer of material points beside it:
+//! those within dx/2 of the curve where it bounds their region. A load t on such a layer is shared
+//! in proportion to the points' areas.
+
+use crate::fem::edge::{EdgeLoad, consistent_load, edge_points};
+use crate::geometry::{chords, nearest_on_segment};
+use crate::mesh::Edge;
+use crate::model::{Method, Model, PointRegion};
+use crate::peridynamics::bonds::Bins;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use thiserror::Error;
+
+#[derive(Debug, Error)]
+pub enum BoundaryError {
+    #[error("group `{group}` touches no node and no material point of any region")]
+    NothingThere { group: String },
+    #[error("group `{group}` cannot carry a load: it bounds no region")]
+    NoOutline { group: String },
+    #[error("group `{group}` is a point: a traction or pressure needs a curve")]
+    LoadOnPoint { group: String },
+    #[error(
+        "`{group}` prescribes {value} m for the displacement {axis} at ({x:.6e}, {y:.6e}) m, \
+         where `{other}` prescribes {other_value} m"
+    )]
+    Conflict {
+        group: String,
+        other: String,
+        axis: char,
+        x: f64,
+        y: f64,
+        value: f64,
+        other_value: f64,
+    },
+}
+
+/// Prescribed displacements and nodal forces, by dof.
+#[derive(Clone, Debug, Default)]
+pub struct Boundary {
+    /// Displacement [m] and the group that prescribes it.
+    pub prescribed: BTreeMap<usize, (f64, String)>,
+    /// Force on every dof [N].
+    pub load: Vec<f64>,
+}
+
+/// A material point beside a curve.
+struct LayerPoint {
+    node: usize,
+    /// Outward normal of the curve at its nearest point.
+    normal: [f64; 2],
+}
+
+/// An edge of a region's outline, cut into chords: [from, to].
+type Segment = [[f64; 2]; 2];
+
+/// Points as far as this from a curve, in spacings, belong to its layer; the excess over 1/2 covers
+/// rounding errors.
+const LAYER_DEPTH: f64 = 0.5 + 1e-6;
+
+/// How far, in spacings, a physical point may be from the material point that stands for it: half
+/// a diagonal, with room for rounding errors.
+const POINT_REACH: f64 = 0.71;
+
+impl Boundary {
+    pub fn new(model: &Model) -> Boundary {
+        Boundary {
+            prescribed: BTreeMap::new(),
+            load: vec![0.0; 2 * model.node_count()],
+        }
+    }
+
+    /// Prescribes the given components [m] on a physical curve or point.
+    ///
+    /// # Errors
+    /// [`BoundaryError::NothingThere`], [`BoundaryError::Conflict`].
+    pub fn displace(
+        &mut self,
+        model: &Model,
+        group: &str,
+        components: [Option<f64>; 2],
+    ) -> Result<(), BoundaryError> {
+        let nodes = nodes_of(model, group);
+        if nodes.is_empty() {
+            return Err(BoundaryError::NothingThere {
+                group: group.to_owned(),
+            });
+        }
+        for node in nodes {
+            for (axis, component) in components.into_iter().enumerate() {
+                if let Some(value) = component {
+                    self.prescribe(model, group, node, axis, value)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn prescribe(
+        &mut self,
+        model: &Model,
+        group: &str,
+        node: usize,
+        axis: usize,
+        value: f64,
+    ) -> Result<(), BoundaryError> {
+        let entry = (value, group.to_owned());
+        match self.prescribed.insert(2 * node + axis, entry) {
+            Some((other_value, other)) if other_value != value => {
+                let [x, y] = model.positions[node];
+                Err(BoundaryError::Conflict {
+                    group: group.to_owned(),
+                    other,
+                    axis: ['x', 'y'][axis],
+                    x,
+                    y,
+                    value,
+                    other_value,
+                })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Adds a traction or pressure on a physical curve.
+    ///
+    /// # Errors
+    /// [`BoundaryError::LoadOnPoint`], [`BoundaryError::NoOutline`].
+    pub fn press(
+        &mut self,
+        model: &Model,
+        group: &str,
+        load: EdgeLoad,
+    ) -> Result<(), BoundaryError> {
+        let Some(curve) = model.mesh.curves.get(group) else {
+            return Err(BoundaryError::LoadOnPoint {
+                group: group.to_owned(),
+            });
+        };
+        let (on_elements, on_points) = outline_edges(model, curve);
+        if on_elements.is_empty() && on_points.is_empty() {
+            return Err(BoundaryError::NoOutline {
+                group: group.to_owned(),
+            });
+        }
+        let thickness = model.settings.thickness;
+        for edge in &on_elements {
+            for (node, force) in consistent_load(edge, &model.mesh.nodes, load, thickness) {
+                let node = model.node_of[node].expect("an outline edge has finite-element nodes");
+                self.add_force(node as usize, force);
+            }
+        }
+        for (points, edges) in &on_points {
+            let layer = layer(model, points, edges);
+            if layer.is_empty() {
+                return Err(BoundaryError::NothingThere {
+                    group: group.to_owned(),
+                });
+            }
+            self.press_layer(model, &layer, length(model, edges), load);
+        }
+        Ok(())
+    }
+
+    fn press_layer(&mut self, model: &Model, layer: &[LayerPoint], length: f64, load: EdgeLoad) {
+        let area = |point: &LayerPoint| model.areas[point.node - model.fe_node_count()];
+        let total: f64 = layer.iter().map(area).sum();
+        for point in layer {
+            let share = length * model.settings.thickness * area(point) / total;
+            self.add_force(point.node, load.traction(point.normal).map(|t| t * share));
+        }
+    }
+
+    fn add_force(&mut self, node: usize, force: [f64; 2]) {
+        self.load[2 * node] += force[0];
+        self.load[2 * node + 1] += force[1];
+    }
+}
+
+/// The nodes that a physical curve or point stands for, ascending.
+pub fn nodes_of(model: &Model, group: &str) -> Vec<usize> {
+    let mut nodes: Vec<usize> = Vec::new();
+    if let Some(curve) = model.mesh.curves.get(group) {
+        nodes.extend(
+            curve
+                .iter()
+                .flat_map(Edge::nodes)
+                .filter_map(|n| model.node_of[n])
+                .map(|n| n as usize),
+        );
+        let (_, on_points) = outline_edges(model, curve);
+        for (points, edges) in &on_points {
+            nodes.extend(layer(model, points, edges).iter().map(|point| point.node));
+        }
+    }
+    for &point in model.mesh.points.get(group).into_iter().flatten() {
+        nodes.extend(node_at(model, point));
+    }
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
+/// The finite-element node at a mesh node, or the nearest material point within half a diagonal of
+/// its square.
+fn node_at(model: &Model, mesh_node: usize) -> Option<usize> {
+    if let Some(node) = model.node_of[mesh_node] {
+        return Some(node as usize);
+    }
+    let at = model.mesh.nodes[mesh_node];
+    let near = |points: &PointRegion| {
+        let reach = POINT_REACH * points.micromodulus.spacing;
+        let distance = |node: usize| {
+            let x = model.positions[node];
+            (x[0] - at[0]).hypot(x[1] - at[1])
+        };
+        let within = points.nodes.clone().map(|node| (distance(node), node));
+        within
+            .filter(|&(d, _)| d <= reach)
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let candidates = model.points.iter().filter_map(near);
+    candidates
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, node)| node)
+}
+
+/// The edges of a curve that bound the body, with the region on their left: those of finite-element
+/// regions, and those of each peridynamic region. An edge between two regions bounds neither.
+fn outline_edges<'a>(
+    model: &'a Model,
+    curve: &[Edge],
+) -> (Vec<Edge>, Vec<(&'a PointRegion, Vec<Edge>)>) {
+    let on_curve: HashSet<[usize; 2]> = curve.iter().map(Edge::key).collect();
+    let all: Vec<usize> = model
+        .regions
+        .iter()
+        .flat_map(|r| r.cells.iter().copied())
+        .collect();
+    let outer: HashMap<[usize; 2], Edge> = model
+        .mesh
+        .outline(&all)
+        .into_iter()
+        .filter(|edge| on_curve.contains(&edge.key()))
+        .map(|edge| (edge.key(), edge))
+        .collect();
+    let of_cells = |cells: &[usize]| {
+        let mut edges = model.mesh.outline(cells);
+        edges.retain(|edge| outer.contains_key(&edge.key()));
+        edges
+    };
+    let fem = model
+        .regions
+        .iter()
+        .filter(|r| r.method == Method::FiniteElements);
+    let on_elements = fem.flat_map(|region| of_cells(&region.cells)).collect();
+    let on_points = model
+        .points
+        .iter()
+        .map(|p| (p, of_cells(&model.regions[p.region].cells)));
+    (
+        on_elements,
+        on_points.filter(|(_, edges)| !edges.is_empty()).collect(),
+    )
+}
+
+/// Length of the edges [m].
+fn length(model: &Model, edges: &[Edge]) -> f64 {
+    let points = edges
+        .iter()
+        .flat_map(|edge| edge_points(edge, &model.mesh.nodes));
+    points.map(|point| point.length).sum()
+}
+
+/// The material points within dx/2 of the edges, ascending.
+fn layer(model: &Model, points: &PointRegion, edges: &[Edge]) -> Vec<LayerPoint> {
+    let depth = LAYER_DEPTH * points.micromodulus.spacing;
+    let positions = &model.positions[points.nodes.clone()];
+    let bins = Bins::new(positions, points.micromodulus.spacing);
+    let mut nearest: BTreeMap<u32, (f64, Segment)> = BTreeMap::new();
+    for segment in edges
+        .iter()
+        .flat_map(|edge| short_segments(model, edge, points))
+    {
+        let middle = [0, 1].map(|axis| 0.5 * (segment[0][axis] + segment[1][axis]));
+        bins.visit_around(middle, |i| {
+            let (_, distance) = nearest_on_segment(positions[i as usize], segment);
+            let closer = nearest.get(&i).is_none_or(|&(other, _)| distance < other);
+            if distance <= depth && closer {
+                nearest.insert(i, (distance, segment));
+            }
+        });
+    }
+    let point = |(i, (_, [a, b])): (u32, (f64, Segment))| {
+        let along = [b[0] - a[0], b[1] - a[1]];
+        let length = along[0].hypot(along[1]);
+        LayerPoint {
+            node: points.nodes.start + i as usize,
+            normal: [along[1] / length, -along[0] / length],
+        }
+    };
+    nearest.into_iter().map(point).collect()
+}
+
+/// An edge in pieces no longer than dx, so that the bins around a piece's middle hold its layer.
+fn short_segments(model: &Model, edge: &Edge, points: &PointRegion) -> Vec<Segment> {
+    let mut pieces = Vec::new();
+    for chord in chords(edge, &model.mesh.nodes).windows(2) {
+        let [a, b] = [chord[0], chord[1]];
+        let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+        let count = (length / points.micromodulus.spacing).ceil().max(1.0) as usize;
+        let at = |k: usize| [0, 1].map(|x| a[x] + (b[x] - a[x]) * k as f64 / count as f64);
+        pieces.extend((0..count).map(|k| [at(k), at(k + 1)]));
+    }
+    pieces
+}

@@ -1,0 +1,3 @@
+//! Couplings: who ties the finite elements to the material points, and with which weight.
+
+pub mod truss;

@@ -1,0 +1,66 @@
+//! The paper's coupling: a truss from every interface node to every material point within its
+//! horizon, Qian et al. (2021), eq. (20) and fig. 5.
+//!
+//! Eq. (20) is a force density. A truss has the stiffness k = c(ξ') A_FE A_j h_t / ξ', and the paper
+//! does not say what the node's area A_FE is: [`NodeArea`] are the readings. None passes a patch test:
+//! the trusses of a node fill half a disc only.
+
+use crate::peridynamics::bonds::Bins;
+use crate::peridynamics::kernel::Micromodulus;
+use crate::springs::Springs;
+
+/// The area A_FE of an interface node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NodeArea {
+    /// The node's lumped "mass" area over the finite elements that touch it: reproduces Table 1.
+    Lumped,
+    /// Half of each element edge along the interface times dx.
+    HalfEdge,
+    /// The same for all [m²].
+    Given(f64),
+}
+
+/// A finite-element node on the interface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InterfaceNode {
+    pub node: u32,
+    /// [m].
+    pub position: [f64; 2],
+    /// A_FE [m²].
+    pub area: f64,
+}
+
+/// The trusses between `interface` and the material points, sorted by node, then by point.
+///
+/// `points`, `areas`: of the material points [m, m²], whose nodes count from `first_node`.
+pub fn trusses(
+    interface: &[InterfaceNode],
+    points: &[[f64; 2]],
+    areas: &[f64],
+    micromodulus: &Micromodulus,
+    thickness: f64,
+    first_node: u32,
+) -> Springs {
+    let reach = micromodulus.reach();
+    let bins = Bins::new(points, reach);
+    let mut trusses = Springs::default();
+    for end in interface {
+        let mut family = Vec::new();
+        bins.visit_around(end.position, |j| {
+            let x = points[j as usize];
+            let xi = (x[0] - end.position[0]).hypot(x[1] - end.position[1]);
+            if xi <= reach {
+                family.push((j, xi));
+            }
+        });
+        family.sort_unstable_by_key(|&(j, _)| j);
+        for (j, xi) in family {
+            let areas = [end.area, areas[j as usize]];
+            trusses.push(
+                [end.node, first_node + j],
+                micromodulus.axial_stiffness(xi, areas, thickness),
+            );
+        }
+    }
+    trusses
+}

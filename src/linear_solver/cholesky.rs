@@ -1,0 +1,147 @@
+//! Sparse Cholesky factorisation K = L Lᵀ by faer: symbolic once, numeric as often as K changes.
+
+use super::ordering::{Ordering, dof_permutation, elimination_order};
+use crate::assembly::{Lists, LowerMatrix};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::LltError;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
+use faer::{Conj, MatMut, Par, Side};
+use std::sync::Arc;
+use thiserror::Error;
+
+#[derive(Debug, Error)]
+pub enum SolverError {
+    #[error("METIS could not order {nodes} nodes (status {status})")]
+    Ordering { nodes: usize, status: i32 },
+    #[error("not enough memory to analyse a system of {dofs} unknowns")]
+    OutOfMemory { dofs: usize },
+    /// The pivot of this dof is not positive: K is singular or indefinite.
+    #[error("the stiffness matrix is not positive definite at dof {dof}")]
+    NotPositiveDefinite { dof: usize },
+}
+
+/// The structure of L, from the pattern of K alone.
+#[derive(Clone, Debug)]
+pub struct Symbolic {
+    structure: Arc<SymbolicCholesky<u32>>,
+}
+
+impl Symbolic {
+    /// # Errors
+    /// See [`SolverError`].
+    pub fn new(
+        matrix: &LowerMatrix,
+        graph: &Lists,
+        positions: &[[f64; 2]],
+        ordering: Ordering,
+    ) -> Result<Symbolic, SolverError> {
+        let order = elimination_order(ordering, graph, positions).map_err(|status| {
+            SolverError::Ordering {
+                nodes: graph.len(),
+                status,
+            }
+        })?;
+        Symbolic::with_order(matrix, order.as_deref())
+    }
+
+    /// `order`: the nodes as they are eliminated; `None` leaves it to faer's AMD.
+    ///
+    /// # Errors
+    /// See [`SolverError`].
+    pub fn with_order(
+        matrix: &LowerMatrix,
+        order: Option<&[u32]>,
+    ) -> Result<Symbolic, SolverError> {
+        let permutation = order.map(dof_permutation);
+        let ordering = match &permutation {
+            Some(permutation) => SymmetricOrdering::Custom(permutation.as_ref()),
+            None => SymmetricOrdering::Amd,
+        };
+        let params = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            ..Default::default()
+        };
+        let structure =
+            factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, ordering, params).map_err(
+                |_| SolverError::OutOfMemory {
+                    dofs: matrix.ncols(),
+                },
+            )?;
+        Ok(Symbolic {
+            structure: Arc::new(structure),
+        })
+    }
+
+    /// Stored entries of L; blocks of supernodes count whole.
+    pub fn factor_entries(&self) -> usize {
+        self.structure.len_val()
+    }
+
+    /// L of a matrix with this pattern.
+    ///
+    /// # Errors
+    /// [`SolverError::NotPositiveDefinite`], [`SolverError::OutOfMemory`].
+    pub fn factorise(&self, matrix: &LowerMatrix, par: Par) -> Result<Factor, SolverError> {
+        let out_of_memory = || SolverError::OutOfMemory {
+            dofs: matrix.ncols(),
+        };
+        let scratch = self
+            .structure
+            .factorize_numeric_llt_scratch::<f64>(par, Default::default());
+        let mut memory = MemBuffer::try_new(scratch).map_err(|_| out_of_memory())?;
+        let mut values = Vec::new();
+        values
+            .try_reserve_exact(self.factor_entries())
+            .map_err(|_| out_of_memory())?;
+        values.resize(self.factor_entries(), 0.0);
+        self.structure
+            .factorize_numeric_llt(
+                &mut values,
+                matrix.as_ref(),
+                Side::Lower,
+                Default::default(),
+                par,
+                MemStack::new(&mut memory),
+                Default::default(),
+            )
+            .map_err(|error| self.not_positive(error))?;
+        Ok(Factor {
+            structure: self.structure.clone(),
+            values,
+            par,
+        })
+    }
+
+    fn not_positive(&self, LltError::NonPositivePivot { index }: LltError) -> SolverError {
+        let eliminated = self.structure.perm().map(|p| p.arrays().0[index] as usize);
+        SolverError::NotPositiveDefinite {
+            dof: eliminated.unwrap_or(index),
+        }
+    }
+}
+
+/// L.
+#[derive(Clone, Debug)]
+pub struct Factor {
+    structure: Arc<SymbolicCholesky<u32>>,
+    values: Vec<f64>,
+    par: Par,
+}
+
+impl Factor {
+    /// Overwrites `rhs` by K⁻¹ rhs.
+    pub fn solve_in_place(&self, rhs: &mut [f64]) {
+        let mut memory = MemBuffer::new(self.structure.solve_in_place_scratch::<f64>(1, self.par));
+        let rows = rhs.len();
+        LltRef::new(&self.structure, &self.values).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(rhs, rows, 1),
+            self.par,
+            MemStack::new(&mut memory),
+        );
+    }
+}

@@ -1,0 +1,98 @@
+//! Isotropic linear elasticity in the plane.
+
+use nalgebra::Matrix3;
+
+/// What the third direction does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlaneState {
+    /// σ_zz = 0: thin plates.
+    Stress,
+    /// ε_zz = 0: long prisms.
+    Strain,
+}
+
+impl PlaneState {
+    /// The Poisson ratio that central forces allow (λ = μ): 1/3 in plane stress, 1/4 in plane strain.
+    pub fn bond_based_poisson(self) -> f64 {
+        match self {
+            PlaneState::Stress => 1.0 / 3.0,
+            PlaneState::Strain => 1.0 / 4.0,
+        }
+    }
+}
+
+/// Elastic constants of an isotropic material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Young's modulus E [Pa].
+    pub young: f64,
+    /// Poisson's ratio ν [-].
+    pub poisson: f64,
+}
+
+impl Material {
+    /// D of σ = D ε in Voigt order xx, yy, xy with the engineering shear strain γ_xy [Pa].
+    pub fn elasticity(&self, plane: PlaneState) -> Matrix3<f64> {
+        let Material {
+            young: e,
+            poisson: nu,
+        } = *self;
+        let shear = e / (2.0 * (1.0 + nu));
+        let (c11, c12) = match plane {
+            PlaneState::Stress => (e / (1.0 - nu * nu), e * nu / (1.0 - nu * nu)),
+            PlaneState::Strain => {
+                let c = e / ((1.0 + nu) * (1.0 - 2.0 * nu));
+                (c * (1.0 - nu), c * nu)
+            }
+        };
+        Matrix3::new(c11, c12, 0.0, c12, c11, 0.0, 0.0, 0.0, shear)
+    }
+
+    /// σ_zz from the in-plane stresses [Pa]: zero in plane stress, ν(σ_xx + σ_yy) in plane strain.
+    pub fn out_of_plane_stress(&self, plane: PlaneState, xx: f64, yy: f64) -> f64 {
+        match plane {
+            PlaneState::Stress => 0.0,
+            PlaneState::Strain => self.poisson * (xx + yy),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn uniaxial_stress_stretches_by_sigma_over_e() {
+        let m = Material {
+            young: 100e9,
+            poisson: 1.0 / 3.0,
+        };
+        let strain = m
+            .elasticity(PlaneState::Stress)
+            .try_inverse()
+            .expect("D is positive definite")
+            * nalgebra::Vector3::new(1.05e6, 0.0, 0.0);
+        // Two rounding errors of the 3 × 3 inverse.
+        assert!((strain[0] - 1.05e-5).abs() < 1e-15 * 1.05e-5 * 10.0);
+        assert!((strain[1] + 0.35e-5).abs() < 1e-15 * 1.05e-5 * 10.0);
+    }
+
+    #[test]
+    fn bond_based_ratios_make_lame_constants_equal() {
+        for plane in [PlaneState::Stress, PlaneState::Strain] {
+            let d = Material {
+                young: 1.0,
+                poisson: plane.bond_based_poisson(),
+            }
+            .elasticity(plane);
+            assert!(
+                (d[(0, 1)] - d[(2, 2)]).abs() < 1e-15,
+                "C12 = C66, {plane:?}"
+            );
+            assert!(
+                (d[(0, 0)] - 3.0 * d[(0, 1)]).abs() < 1e-15,
+                "C11 = 3 C12, {plane:?}"
+            );
+        }
+    }
+}

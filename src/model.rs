@@ -1,0 +1,446 @@
+//! The discretisation: elements, material points, bonds and trusses in one numbering of nodes.
+//!
+//! Nodes are the finite-element nodes in the mesh's order, then the material points, region by
+//! region. Immutable once built.
+
+use crate::assembly::ElementStiffness;
+use crate::coupling::truss::{InterfaceNode, NodeArea, trusses};
+use crate::fem::element;
+use crate::geometry::{Outline, chords};
+use crate::material::{Material, PlaneState};
+use crate::mesh::{Cell, Edge, Mesh};
+use crate::peridynamics::bonds::bonds;
+use crate::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
+use crate::peridynamics::lattice::{Lattice, LatticeSettings, lattice};
+use crate::springs::Springs;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use thiserror::Error;
+
+/// A part of the body: which cells of the mesh, what material, which method.
+#[derive(Clone, Debug)]
+pub struct Region {
+    pub name: String,
+    /// Indices of the mesh's cells, ascending.
+    pub cells: Vec<usize>,
+    pub material: Material,
+    pub method: Method,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    FiniteElements,
+    Peridynamics(PeridynamicSettings),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PeridynamicSettings {
+    pub lattice: LatticeSettings,
+    /// m = δ/dx [-].
+    pub horizon_ratio: f64,
+    pub kernel: Kernel,
+    pub partial_area: PartialArea,
+}
+
+/// What holds for the whole model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModelSettings {
+    pub plane: PlaneState,
+    /// h_t [m].
+    pub thickness: f64,
+    /// A_FE of the truss coupling.
+    pub node_area: NodeArea,
+}
+
+/// Where a finite-element and a peridynamic region meet.
+#[derive(Clone, Debug)]
+pub struct Interface {
+    /// Indices of the regions.
+    pub finite_elements: usize,
+    pub peridynamics: usize,
+    /// With the finite elements on the left.
+    pub edges: Vec<Edge>,
+}
+
+/// The material points of one peridynamic region.
+#[derive(Clone, Debug)]
+pub struct PointRegion {
+    pub region: usize,
+    /// Their nodes.
+    pub nodes: Range<usize>,
+    pub micromodulus: Micromodulus,
+    /// The region's outline, and its area |Ω| [m²].
+    pub outline: Outline,
+    pub area: f64,
+}
+
+/// Everything left of the stiffness matrix.
+#[derive(Clone, Debug)]
+pub struct Model {
+    pub mesh: Mesh,
+    pub settings: ModelSettings,
+    pub regions: Vec<Region>,
+    pub interfaces: Vec<Interface>,
+    /// x of every node [m].
+    pub positions: Vec<[f64; 2]>,
+    /// The node at each of the mesh's nodes, where finite elements use it.
+    pub node_of: Vec<Option<u32>>,
+    /// (region, cell) of every finite element.
+    pub elements: Vec<(usize, usize)>,
+    /// A_i of every material point [m²].
+    pub areas: Vec<f64>,
+    pub points: Vec<PointRegion>,
+    /// Bonds first, then trusses.
+    pub springs: Springs,
+    pub bond_count: usize,
+}
+
+#[derive(Debug, Error)]
+pub enum ModelError {
+    #[error("region `{region}` has no elements in the mesh")]
+    RegionEmpty { region: String },
+    #[error("regions `{first}` and `{second}` overlap: {cells} cells of the mesh belong to both")]
+    RegionsOverlap {
+        first: String,
+        second: String,
+        cells: usize,
+    },
+    #[error("peridynamic regions `{first}` and `{second}` touch, but no bond joins them")]
+    RegionsTouch { first: String, second: String },
+    #[error(
+        "element {cell} of region `{region}` is folded or clockwise at ({x:.6e}, {y:.6e}) m: \
+         its Jacobian there is {determinant:.3e} m²"
+    )]
+    Jacobian {
+        region: String,
+        cell: usize,
+        x: f64,
+        y: f64,
+        determinant: f64,
+    },
+    #[error("region `{region}` holds no material point: the spacing is larger than the region")]
+    NoMaterialPoint { region: String },
+}
+
+impl Model {
+    /// # Errors
+    /// See [`ModelError`].
+    pub fn build(
+        mesh: Mesh,
+        regions: Vec<Region>,
+        settings: ModelSettings,
+    ) -> Result<Model, ModelError> {
+        check_cells(&mesh, &regions)?;
+        let interfaces = interfaces(&mesh, &regions);
+        check_separation(&mesh, &regions)?;
+        let mut model = Model {
+            settings,
+            interfaces,
+            positions: Vec::new(),
+            node_of: vec![None; mesh.nodes.len()],
+            elements: Vec::new(),
+            areas: Vec::new(),
+            points: Vec::new(),
+            springs: Springs::default(),
+            bond_count: 0,
+            mesh,
+            regions,
+        };
+        model.add_finite_elements()?;
+        model.add_material_points()?;
+        model.add_trusses();
+        Ok(model)
+    }
+
+    pub fn node_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Finite-element nodes come first: their number.
+    pub fn fe_node_count(&self) -> usize {
+        self.node_count() - self.areas.len()
+    }
+
+    pub fn cell(&self, element: usize) -> &Cell {
+        &self.mesh.cells[self.elements[element].1]
+    }
+
+    /// Nodes of a finite element.
+    pub fn element_nodes(&self, element: usize) -> Vec<u32> {
+        let used = |&n: &usize| self.node_of[n].expect("nodes of finite elements are numbered");
+        self.cell(element).nodes().iter().map(used).collect()
+    }
+
+    /// Positions of a finite element's nodes [m].
+    pub fn element_coordinates(&self, element: usize) -> Vec<[f64; 2]> {
+        self.cell(element)
+            .nodes()
+            .iter()
+            .map(|&n| self.mesh.nodes[n])
+            .collect()
+    }
+
+    /// Stiffness of every finite element, eq. (12).
+    pub fn element_stiffness(&self) -> Vec<ElementStiffness> {
+        let stiffness = |element: usize| {
+            let material = self.regions[self.elements[element].0].material;
+            ElementStiffness {
+                nodes: self.element_nodes(element),
+                matrix: element::stiffness(
+                    self.cell(element).kind,
+                    &self.element_coordinates(element),
+                    &material.elasticity(self.settings.plane),
+                    self.settings.thickness,
+                ),
+            }
+        };
+        (0..self.elements.len())
+            .into_par_iter()
+            .map(stiffness)
+            .collect()
+    }
+
+    /// The region that a material point's node belongs to.
+    pub fn region_of_point(&self, node: usize) -> Option<usize> {
+        self.points
+            .iter()
+            .find(|p| p.nodes.contains(&node))
+            .map(|p| p.region)
+    }
+
+    fn add_finite_elements(&mut self) -> Result<(), ModelError> {
+        for (index, region) in self.regions.iter().enumerate() {
+            if region.method != Method::FiniteElements {
+                continue;
+            }
+            for &cell in &region.cells {
+                check_jacobian(&self.mesh, region, cell)?;
+                self.elements.push((index, cell));
+                for &node in self.mesh.cells[cell].nodes() {
+                    self.node_of[node] = Some(0);
+                }
+            }
+        }
+        for (mesh_node, node) in self.node_of.iter_mut().enumerate() {
+            if node.is_some() {
+                *node = Some(self.positions.len() as u32);
+                self.positions.push(self.mesh.nodes[mesh_node]);
+            }
+        }
+        Ok(())
+    }
+
+    fn add_material_points(&mut self) -> Result<(), ModelError> {
+        let fe_nodes = self.fe_node_count();
+        for index in 0..self.regions.len() {
+            let region = &self.regions[index];
+            let Method::Peridynamics(settings) = region.method else {
+                continue;
+            };
+            let outline = Outline::of_cells(&self.mesh, &region.cells);
+            let Lattice { positions, areas } =
+                lattice(&outline, &self.interface_segments(index), &settings.lattice);
+            if positions.is_empty() {
+                return Err(ModelError::NoMaterialPoint {
+                    region: region.name.clone(),
+                });
+            }
+            let micromodulus = Micromodulus::new(
+                settings.kernel,
+                settings.partial_area,
+                &region.material,
+                self.settings.plane,
+                settings.horizon_ratio * settings.lattice.spacing,
+                settings.lattice.spacing,
+            );
+            let first = fe_nodes + self.areas.len();
+            self.springs.append(bonds(
+                &positions,
+                &areas,
+                &micromodulus,
+                self.settings.thickness,
+                first as u32,
+            ));
+            self.points.push(PointRegion {
+                region: index,
+                nodes: first..first + positions.len(),
+                micromodulus,
+                area: outline.area(),
+                outline,
+            });
+            self.positions.extend(positions);
+            self.areas.extend(areas);
+        }
+        self.bond_count = self.springs.len();
+        Ok(())
+    }
+
+    fn interface_segments(&self, region: usize) -> Vec<[[f64; 2]; 2]> {
+        let edges = self
+            .interfaces
+            .iter()
+            .filter(|i| i.peridynamics == region)
+            .flat_map(|i| &i.edges);
+        edges
+            .flat_map(|edge| {
+                let points = chords(edge, &self.mesh.nodes);
+                (1..points.len())
+                    .map(move |k| [points[k - 1], points[k]])
+                    .collect::<Vec<_>>()
+            })
+            .collect()
+    }
+
+    fn add_trusses(&mut self) {
+        let lumped = self.lumped_areas();
+        for points in &self.points {
+            let ends = self.interface_nodes(points, &lumped);
+            let fe_nodes = self.positions.len() - self.areas.len();
+            let range = points.nodes.start - fe_nodes..points.nodes.end - fe_nodes;
+            self.springs.append(trusses(
+                &ends,
+                &self.positions[points.nodes.clone()],
+                &self.areas[range],
+                &points.micromodulus,
+                self.settings.thickness,
+                points.nodes.start as u32,
+            ));
+        }
+    }
+
+    /// The interface nodes of one peridynamic region with their areas A_FE, in ascending order.
+    fn interface_nodes(&self, points: &PointRegion, lumped: &[f64]) -> Vec<InterfaceNode> {
+        let mut half_edges: BTreeMap<u32, f64> = BTreeMap::new();
+        let touching = self
+            .interfaces
+            .iter()
+            .filter(|i| i.peridynamics == points.region);
+        for edge in touching.flat_map(|i| &i.edges) {
+            for node in edge.nodes() {
+                let node = self.node_of[node].expect("an interface edge has finite-element nodes");
+                *half_edges.entry(node).or_insert(0.0) += 0.5 * self.edge_length(edge);
+            }
+        }
+        let area = |node: u32, half_edge: f64| match self.settings.node_area {
+            NodeArea::Lumped => lumped[node as usize],
+            NodeArea::HalfEdge => half_edge * points.micromodulus.spacing,
+            NodeArea::Given(area) => area,
+        };
+        half_edges
+            .into_iter()
+            .map(|(node, half_edge)| InterfaceNode {
+                node,
+                position: self.positions[node as usize],
+                area: area(node, half_edge),
+            })
+            .collect()
+    }
+
+    /// Length of an edge's chords [m].
+    pub fn edge_length(&self, edge: &Edge) -> f64 {
+        let points = chords(edge, &self.mesh.nodes);
+        points
+            .windows(2)
+            .map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]))
+            .sum()
+    }
+
+    /// Lumped "mass" area of every finite-element node [m²].
+    fn lumped_areas(&self) -> Vec<f64> {
+        let mut areas = vec![0.0; self.fe_node_count()];
+        for element in 0..self.elements.len() {
+            let coordinates = self.element_coordinates(element);
+            let shares = element::lumped_areas(self.cell(element).kind, &coordinates);
+            for (node, share) in self.element_nodes(element).into_iter().zip(shares) {
+                areas[node as usize] += share;
+            }
+        }
+        areas
+    }
+}
+
+fn check_cells(mesh: &Mesh, regions: &[Region]) -> Result<(), ModelError> {
+    let mut owner: Vec<Option<usize>> = vec![None; mesh.cells.len()];
+    for (index, region) in regions.iter().enumerate() {
+        if region.cells.is_empty() {
+            return Err(ModelError::RegionEmpty {
+                region: region.name.clone(),
+            });
+        }
+        let taken = region.cells.iter().find_map(|&cell| owner[cell]);
+        if let Some(other) = taken {
+            return Err(ModelError::RegionsOverlap {
+                first: regions[other].name.clone(),
+                second: region.name.clone(),
+                cells: region
+                    .cells
+                    .iter()
+                    .filter(|&&cell| owner[cell] == Some(other))
+                    .count(),
+            });
+        }
+        region
+            .cells
+            .iter()
+            .for_each(|&cell| owner[cell] = Some(index));
+    }
+    Ok(())
+}
+
+fn check_separation(mesh: &Mesh, regions: &[Region]) -> Result<(), ModelError> {
+    let peridynamic: Vec<&Region> = regions
+        .iter()
+        .filter(|r| r.method != Method::FiniteElements)
+        .collect();
+    for (k, first) in peridynamic.iter().enumerate() {
+        for second in &peridynamic[k + 1..] {
+            if !mesh.shared_edges(&first.cells, &second.cells).is_empty() {
+                return Err(ModelError::RegionsTouch {
+                    first: first.name.clone(),
+                    second: second.name.clone(),
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn check_jacobian(mesh: &Mesh, region: &Region, cell: usize) -> Result<(), ModelError> {
+    let Cell { kind, .. } = mesh.cells[cell];
+    let coordinates: Vec<_> = mesh.cells[cell]
+        .nodes()
+        .iter()
+        .map(|&n| mesh.nodes[n])
+        .collect();
+    let (determinant, [x, y]) = element::smallest_jacobian(kind, &coordinates);
+    if determinant > 0.0 {
+        return Ok(());
+    }
+    Err(ModelError::Jacobian {
+        region: region.name.clone(),
+        cell,
+        x,
+        y,
+        determinant,
+    })
+}
+
+fn interfaces(mesh: &Mesh, regions: &[Region]) -> Vec<Interface> {
+    let mut found = Vec::new();
+    for (f, fem) in regions.iter().enumerate() {
+        for (p, pd) in regions.iter().enumerate() {
+            if fem.method == Method::FiniteElements && pd.method != Method::FiniteElements {
+                let edges = mesh.shared_edges(&fem.cells, &pd.cells);
+                if !edges.is_empty() {
+                    found.push(Interface {
+                        finite_elements: f,
+                        peridynamics: p,
+                        edges,
+                    });
+                }
+            }
+        }
+    }
+    found
+}

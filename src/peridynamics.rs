@@ -1,0 +1,6 @@
+//! The peridynamic region: a lattice of material points joined by bonds,
+//! Qian et al. (2021), eqs. (1)–(10) and (16)–(19).
+
+pub mod bonds;
+pub mod kernel;
+pub mod lattice;

@@ -1,0 +1,41 @@
+//! What each phase of a run costs: wall time and the memory that it leaves in use.
+
+use std::time::{Duration, Instant};
+
+/// One named phase.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Phase {
+    pub name: &'static str,
+    pub time: Duration,
+}
+
+/// Phases in the order in which they ran.
+#[derive(Clone, Debug, Default)]
+pub struct Phases {
+    pub list: Vec<Phase>,
+}
+
+impl Phases {
+    /// Runs `work` and records how long it takes.
+    pub fn measure<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let result = work();
+        self.list.push(Phase {
+            name,
+            time: start.elapsed(),
+        });
+        result
+    }
+
+    pub fn total(&self) -> Duration {
+        self.list.iter().map(|phase| phase.time).sum()
+    }
+}
+
+/// The most memory that the process has held so far [bytes], where the system tells.
+pub fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(1024 * kilobytes)
+}

@@ -1,0 +1,301 @@
+//! One static solve, without artificial damping: K U = R, Qian et al. (2021), eq. (11).
+
+use crate::assembly::{LowerMatrix, Pattern};
+use crate::boundary::Boundary;
+use crate::linear_solver::cholesky::{Factor, SolverError, Symbolic};
+use crate::linear_solver::ordering::{Ordering, elimination_order};
+use crate::model::Model;
+use crate::phases::Phases;
+use crate::support::{self, NotHeld};
+use faer::Par;
+use std::collections::BTreeMap;
+use thiserror::Error;
+
+/// Displacements of all nodes, and what holds them.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// u of every node [m].
+    pub displacement: Vec<[f64; 2]>,
+    /// Force that the supports exert at every node [N]; zero where nothing is prescribed.
+    pub reaction: Vec<[f64; 2]>,
+    /// ‖K u − f‖₂ / ‖f‖₂ over the free dofs, prescribed displacements in f.
+    pub residual: f64,
+    pub size: SystemSize,
+}
+
+/// Sizes of the linear system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SystemSize {
+    pub dofs: usize,
+    /// Stored entries of the lower triangle of K.
+    pub stiffness_entries: usize,
+    /// Stored entries of L.
+    pub factor_entries: usize,
+}
+
+#[derive(Debug, Error)]
+pub enum StaticsError {
+    #[error(transparent)]
+    NotHeld(#[from] NotHeld),
+    #[error(transparent)]
+    Solver(#[from] SolverError),
+    #[error(
+        "{what} at ({x:.6e}, {y:.6e}) m is not held in every direction: {springs} bonds or trusses \
+         with stiffness end there"
+    )]
+    Mechanism {
+        what: &'static str,
+        x: f64,
+        y: f64,
+        springs: usize,
+    },
+    #[error("the solution is not finite at {what} ({x:.6e}, {y:.6e}) m")]
+    NotFinite { what: &'static str, x: f64, y: f64 },
+    #[error(
+        "the solution leaves a residual of {residual:.1e}, more than {limit:.0e}: the system is close to singular"
+    )]
+    Residual { residual: f64, limit: f64 },
+}
+
+/// A solution with a larger relative residual is not one.
+const RESIDUAL_LIMIT: f64 = 1e-8;
+
+/// Solutions are refined until the residual is this small or stops falling.
+const RESIDUAL_GOAL: f64 = 1e-14;
+const MOST_REFINEMENTS: usize = 3;
+
+/// Assembles and solves.
+///
+/// # Errors
+/// See [`StaticsError`].
+pub fn solve(
+    model: &Model,
+    boundary: &Boundary,
+    phases: &mut Phases,
+) -> Result<Solution, StaticsError> {
+    phases.measure("support", || support::check(model, boundary))?;
+    let elements = phases.measure("elements", || model.element_stiffness());
+    let pattern = phases.measure("pattern", || {
+        Pattern::new(model.node_count(), &model.springs, &elements)
+    });
+    let stiffness = phases.measure("assembly", || {
+        pattern.assemble(&model.positions, &model.springs, &elements)
+    });
+    let system = phases.measure("supports", || System::new(stiffness, boundary));
+    let order = phases
+        .measure("ordering", || {
+            elimination_order(Ordering::Metis, &pattern.graph, &model.positions)
+        })
+        .map_err(|status| SolverError::Ordering {
+            nodes: pattern.nodes(),
+            status,
+        })?;
+    let symbolic = phases.measure("symbolic", || {
+        Symbolic::with_order(&system.held, order.as_deref())
+    })?;
+    let factor = phases
+        .measure("factorisation", || {
+            symbolic.factorise(&system.held, Par::rayon(0))
+        })
+        .map_err(|error| locate(model, &pattern, error))?;
+    let (displacement, residual) = phases.measure("solution", || system.solve(&factor));
+    let solution = Solution {
+        reaction: system.reaction(&displacement),
+        displacement: vectors(&displacement),
+        residual,
+        size: SystemSize {
+            dofs: system.load.len(),
+            stiffness_entries: pattern.stored_entries(),
+            factor_entries: symbolic.factor_entries(),
+        },
+    };
+    check(model, &solution)?;
+    Ok(solution)
+}
+
+fn check(model: &Model, solution: &Solution) -> Result<(), StaticsError> {
+    let finite = |u: &[f64; 2]| u[0].is_finite() && u[1].is_finite();
+    if let Some(node) = solution.displacement.iter().position(|u| !finite(u)) {
+        let [x, y] = model.positions[node];
+        return Err(StaticsError::NotFinite {
+            what: kind(model, node),
+            x,
+            y,
+        });
+    }
+    if solution.residual > RESIDUAL_LIMIT {
+        let residual = solution.residual;
+        return Err(StaticsError::Residual {
+            residual,
+            limit: RESIDUAL_LIMIT,
+        });
+    }
+    Ok(())
+}
+
+fn kind(model: &Model, node: usize) -> &'static str {
+    if node < model.fe_node_count() {
+        "the finite-element node"
+    } else {
+        "the material point"
+    }
+}
+
+fn locate(model: &Model, pattern: &Pattern, error: SolverError) -> StaticsError {
+    let SolverError::NotPositiveDefinite { dof } = error else {
+        return error.into();
+    };
+    let node = dof / 2;
+    let [x, y] = model.positions[node];
+    StaticsError::Mechanism {
+        what: kind(model, node),
+        x,
+        y,
+        springs: pattern.springs_at(node).len(),
+    }
+}
+
+/// K with its supports.
+struct System<'a> {
+    /// K as assembled [N/m].
+    stiffness: LowerMatrix,
+    /// K with a positive diagonal alone in the rows and columns of prescribed dofs.
+    held: LowerMatrix,
+    prescribed: Vec<Option<f64>>,
+    /// f [N].
+    load: &'a [f64],
+}
+
+impl System<'_> {
+    fn new(stiffness: LowerMatrix, boundary: &Boundary) -> System<'_> {
+        let mut prescribed = vec![None; stiffness.ncols()];
+        for (&dof, &(value, _)) in &boundary.prescribed {
+            prescribed[dof] = Some(value);
+        }
+        let diagonal = mean_diagonal(&stiffness);
+        let held = hold(&stiffness, &prescribed, diagonal);
+        System {
+            stiffness,
+            held,
+            prescribed,
+            load: &boundary.load,
+        }
+    }
+
+    /// The displacements, dof by dof [m], and the relative residual.
+    fn solve(&self, factor: &Factor) -> (Vec<f64>, f64) {
+        let mut u: Vec<f64> = self.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
+        let mut residual = self.residual(&u);
+        let scale = norm(&residual);
+        if scale == 0.0 {
+            return (u, 0.0);
+        }
+        let mut relative = 1.0;
+        for _ in 0..=MOST_REFINEMENTS {
+            let mut correction = residual;
+            factor.solve_in_place(&mut correction);
+            let refined: Vec<f64> = u.iter().zip(&correction).map(|(u, c)| u + c).collect();
+            residual = self.residual(&refined);
+            let now = norm(&residual) / scale;
+            // Also false for a residual that is not a number: the check that follows reports it.
+            let better = now < relative;
+            if better || relative == 1.0 {
+                (u, relative) = (refined, now);
+            }
+            if !better || relative < RESIDUAL_GOAL {
+                break;
+            }
+        }
+        (u, relative)
+    }
+
+    /// f − K u at free dofs, zero at prescribed ones [N].
+    fn residual(&self, u: &[f64]) -> Vec<f64> {
+        let mut residual = multiply(&self.stiffness, u);
+        for (dof, r) in residual.iter_mut().enumerate() {
+            *r = if self.prescribed[dof].is_some() {
+                0.0
+            } else {
+                self.load[dof] - *r
+            };
+        }
+        residual
+    }
+
+    /// K u − f at prescribed dofs, by node [N].
+    fn reaction(&self, u: &[f64]) -> Vec<[f64; 2]> {
+        let mut reaction = multiply(&self.stiffness, u);
+        for (dof, r) in reaction.iter_mut().enumerate() {
+            *r = if self.prescribed[dof].is_some() {
+                *r - self.load[dof]
+            } else {
+                0.0
+            };
+        }
+        vectors(&reaction)
+    }
+}
+
+/// Sum of the reactions on each group that prescribes a displacement [N].
+pub fn group_reactions(boundary: &Boundary, solution: &Solution) -> BTreeMap<String, [f64; 2]> {
+    let mut sums: BTreeMap<String, [f64; 2]> = BTreeMap::new();
+    for (&dof, (_, group)) in &boundary.prescribed {
+        sums.entry(group.clone()).or_default()[dof % 2] += solution.reaction[dof / 2][dof % 2];
+    }
+    sums
+}
+
+fn vectors(dofs: &[f64]) -> Vec<[f64; 2]> {
+    dofs.chunks_exact(2).map(|d| [d[0], d[1]]).collect()
+}
+
+fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn mean_diagonal(matrix: &LowerMatrix) -> f64 {
+    let n = matrix.ncols();
+    // The lower triangle's columns start at their diagonal.
+    (0..n).map(|j| matrix.val_of_col(j)[0]).sum::<f64>() / n as f64
+}
+
+/// Clears the rows and columns of prescribed dofs and puts `diagonal` there, on the same pattern.
+fn hold(matrix: &LowerMatrix, prescribed: &[Option<f64>], diagonal: f64) -> LowerMatrix {
+    let mut held = matrix.clone();
+    let (symbolic, values) = held.parts_mut();
+    for column in 0..symbolic.ncols() {
+        let range = symbolic.col_range(column);
+        let rows = &symbolic.row_idx()[range.clone()];
+        for (&row, value) in rows.iter().zip(&mut values[range]) {
+            if prescribed[column].is_some() || prescribed[row as usize].is_some() {
+                *value = if row as usize == column {
+                    diagonal
+                } else {
+                    0.0
+                };
+            }
+        }
+    }
+    held
+}
+
+/// K u from the lower triangle of K.
+fn multiply(matrix: &LowerMatrix, u: &[f64]) -> Vec<f64> {
+    let mut product = vec![0.0; u.len()];
+    for column in 0..matrix.ncols() {
+        let mut sum = 0.0;
+        for (&row, &value) in matrix
+            .row_idx_of_col_raw(column)
+            .iter()
+            .zip(matrix.val_of_col(column))
+        {
+            let row = row as usize;
+            sum += value * u[row];
+            if row != column {
+                product[row] += value * u[column];
+            }
+        }
+        product[column] += sum;
+    }
+    product
+}

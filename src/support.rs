@@ -1,0 +1,204 @@
+//! Is the body held? Rigid-body motions that no support prevents, told in the user's words before
+//! they become a singular matrix.
+
+use crate::boundary::Boundary;
+use crate::model::Model;
+use nalgebra::{Matrix3, Vector3};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use thiserror::Error;
+
+/// A rigid-body motion in the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RigidMotion {
+    MoveX,
+    MoveY,
+    /// A shift along this unit vector.
+    Move([f64; 2]),
+    /// A turn about this point [m].
+    Turn([f64; 2]),
+}
+
+impl fmt::Display for RigidMotion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            RigidMotion::MoveX => write!(f, "move in x"),
+            RigidMotion::MoveY => write!(f, "move in y"),
+            RigidMotion::Move([x, y]) => write!(f, "move along ({x:.3}, {y:.3})"),
+            RigidMotion::Turn([x, y]) => write!(f, "turn about ({x:.4e}, {y:.4e}) m"),
+        }
+    }
+}
+
+/// A connected part of the body that is not held.
+#[derive(Debug, Error)]
+#[error("{} can {} freely", names(regions, *whole), motions(free))]
+pub struct NotHeld {
+    /// Names of the regions with nodes in this part.
+    pub regions: Vec<String>,
+    /// Whether the part is all there is.
+    pub whole: bool,
+    pub free: Vec<RigidMotion>,
+    /// Whether anything is prescribed on the part.
+    pub touched: bool,
+}
+
+fn names(regions: &[String], whole: bool) -> String {
+    let list: Vec<String> = regions.iter().map(|name| format!("`{name}`")).collect();
+    match (whole, list.len()) {
+        (true, _) => "the body".to_owned(),
+        (false, 1) => format!("region {} is tied to nothing that is held: it", list[0]),
+        (false, _) => format!(
+            "regions {} are tied to nothing that is held: they",
+            list.join(", ")
+        ),
+    }
+}
+
+fn motions(free: &[RigidMotion]) -> String {
+    let list: Vec<String> = free.iter().map(ToString::to_string).collect();
+    list.join(", ")
+}
+
+/// Motions whose square is below this, against the best held one, count as free: constraint rows are
+/// exact to 1e-15 and their products to 1e-30 plus rounding.
+const FREE: f64 = 1e-12;
+
+/// Checks every connected part of the body.
+///
+/// # Errors
+/// The first part that can still move.
+pub fn check(model: &Model, boundary: &Boundary) -> Result<(), NotHeld> {
+    let part_of = connected_parts(model);
+    let mut parts: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for (node, &part) in part_of.iter().enumerate() {
+        parts.entry(part).or_default().push(node);
+    }
+    let whole = parts.len() == 1;
+    for nodes in parts.values() {
+        let (free, touched) = free_motions(model, boundary, nodes);
+        if !free.is_empty() {
+            return Err(NotHeld {
+                regions: region_names(model, nodes),
+                whole,
+                free,
+                touched,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// The lowest node connected to each node by springs with stiffness and by elements.
+pub fn connected_parts(model: &Model) -> Vec<u32> {
+    let mut parent: Vec<u32> = (0..model.node_count() as u32).collect();
+    let mut join = |a: u32, b: u32| {
+        let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+        parent[a.max(b) as usize] = a.min(b);
+    };
+    let springs = model.springs.ends.iter().zip(&model.springs.stiffness);
+    springs
+        .filter(|&(_, &k)| k != 0.0)
+        .for_each(|(&[a, b], _)| join(a, b));
+    for element in 0..model.elements.len() {
+        let nodes = model.element_nodes(element);
+        nodes.windows(2).for_each(|pair| join(pair[0], pair[1]));
+    }
+    (0..model.node_count() as u32)
+        .map(|node| root(&mut parent, node))
+        .collect()
+}
+
+fn root(parent: &mut [u32], mut node: u32) -> u32 {
+    while parent[node as usize] != node {
+        parent[node as usize] = parent[parent[node as usize] as usize];
+        node = parent[node as usize];
+    }
+    node
+}
+
+fn region_names(model: &Model, nodes: &[usize]) -> Vec<String> {
+    let members: BTreeSet<usize> = nodes.iter().copied().collect();
+    let of_points = nodes.iter().filter_map(|&node| model.region_of_point(node));
+    let of_elements = (0..model.elements.len())
+        .filter(|&e| members.contains(&(model.element_nodes(e)[0] as usize)))
+        .map(|e| model.elements[e].0);
+    let regions: BTreeSet<usize> = of_points.chain(of_elements).collect();
+    regions
+        .into_iter()
+        .map(|r| model.regions[r].name.clone())
+        .collect()
+}
+
+/// The rigid motions (a_x, a_y, ω R) about the part's centroid that no prescribed dof sees, R being
+/// the part's size, and whether anything is prescribed there.
+fn free_motions(model: &Model, boundary: &Boundary, nodes: &[usize]) -> (Vec<RigidMotion>, bool) {
+    let count = nodes.len() as f64;
+    let centre =
+        [0, 1].map(|axis| nodes.iter().map(|&n| model.positions[n][axis]).sum::<f64>() / count);
+    let arm = |n: usize| [0, 1].map(|axis| model.positions[n][axis] - centre[axis]);
+    let size = nodes
+        .iter()
+        .map(|&n| arm(n)[0].hypot(arm(n)[1]))
+        .fold(f64::MIN_POSITIVE, f64::max);
+    let mut held = Matrix3::zeros();
+    for &node in nodes {
+        let [x, y] = arm(node).map(|a| a / size);
+        let rows = [Vector3::new(1.0, 0.0, -y), Vector3::new(0.0, 1.0, x)];
+        for (axis, row) in rows.iter().enumerate() {
+            if boundary.prescribed.contains_key(&(2 * node + axis)) {
+                held += row * row.transpose();
+            }
+        }
+    }
+    let touched = held.trace() > 0.0;
+    (
+        null_space(held)
+            .into_iter()
+            .map(|m| describe(m, centre, size))
+            .collect(),
+        touched,
+    )
+}
+
+/// Unit vectors that span the null space, translations apart from rotations where they can be.
+fn null_space(held: Matrix3<f64>) -> Vec<Vector3<f64>> {
+    let eigen = held.symmetric_eigen();
+    let limit = FREE * eigen.eigenvalues.amax();
+    let free: Vec<Vector3<f64>> = (0..3)
+        .filter(|&k| eigen.eigenvalues[k] <= limit)
+        .map(|k| eigen.eigenvectors.column(k).into_owned())
+        .collect();
+    let project = |v: Vector3<f64>| -> Vector3<f64> { free.iter().map(|f| f * f.dot(&v)).sum() };
+    let mut basis: Vec<Vector3<f64>> = Vec::new();
+    for candidate in [Vector3::x(), Vector3::y()]
+        .into_iter()
+        .chain(free.iter().copied())
+    {
+        let mut rest = project(candidate);
+        let is_axis = (rest - candidate).norm() < 1e-6;
+        if basis.len() < free.len() && (is_axis || free.contains(&candidate)) {
+            for b in &basis {
+                rest -= b * b.dot(&rest);
+            }
+            if rest.norm() > 1e-3 {
+                basis.push(rest.normalize());
+            }
+        }
+    }
+    basis
+}
+
+fn describe(motion: Vector3<f64>, centre: [f64; 2], size: f64) -> RigidMotion {
+    let [ax, ay, turn] = [motion[0], motion[1], motion[2] / size];
+    if motion[2].abs() > 1e-6 {
+        return RigidMotion::Turn([centre[0] - ay / turn, centre[1] + ax / turn]);
+    }
+    if ay.abs() < 1e-6 {
+        RigidMotion::MoveX
+    } else if ax.abs() < 1e-6 {
+        RigidMotion::MoveY
+    } else {
+        RigidMotion::Move([ax, ay])
+    }
+}

@@ -236,9 +236,9 @@ impl<'a> Column<'a> {
                 .neighbours
                 .binary_search(&other)
                 .expect("the pattern holds every pair");
-            for axis in 0..2 {
-                self.values[2 + 2 * place + axis] += block[axis][0];
-                self.values[second + 1 + 2 * place + axis] += block[axis][1];
+            for (axis, [first_column, second_column]) in block.into_iter().enumerate() {
+                self.values[2 + 2 * place + axis] += first_column;
+                self.values[second + 1 + 2 * place + axis] += second_column;
             }
         }
     }

@@ -159,8 +159,8 @@ fn elimination_tree(graph: &Lists, order: &[u32]) -> Vec<usize> {
     }
     let mut parent = vec![usize::MAX; n];
     let mut ancestor = vec![usize::MAX; n];
-    for k in 0..n {
-        for &neighbour in graph.of(order[k] as usize) {
+    for (k, &node) in order.iter().enumerate() {
+        for &neighbour in graph.of(node as usize) {
             let mut below = position[neighbour as usize];
             while below < k {
                 let above = std::mem::replace(&mut ancestor[below], k);

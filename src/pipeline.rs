@@ -1,0 +1,11 @@
+//! A pipeline file to results: [`spec`] (YAML as written) → [`plan`] (checked) → [`stamp`] (what is
+//! stale) → [`run`].
+
+pub mod plan;
+pub mod quantity;
+pub mod results;
+pub mod run;
+pub mod source;
+pub mod spec;
+pub mod stamp;
+pub mod validate;

@@ -1,0 +1,513 @@
+//! The checked pipeline: SI numbers, the numerics' own types, nothing left to interpret but the
+//! names of groups, which need the mesh.
+
+use super::quantity::{self, Dimension};
+use super::source::{InputError, Source, choices};
+use super::spec::{self, Spec};
+use crate::coupling::truss::NodeArea;
+use crate::fem::edge::EdgeLoad;
+use crate::gmsh::Value;
+use crate::material::{Material, PlaneState};
+use crate::model::{Method, ModelSettings, PeridynamicSettings};
+use crate::peridynamics::kernel::{Kernel, PartialArea};
+use crate::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
+use serde_yaml::Value as Yaml;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A pipeline that is ready to run.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    pub name: String,
+    /// `results/NAME`.
+    pub folder: PathBuf,
+    pub geometry: GeometryPlan,
+    pub model: ModelSettings,
+    pub regions: Vec<RegionPlan>,
+    pub conditions: Vec<Condition>,
+    pub probes: Vec<Probe>,
+    pub output: spec::Output,
+    /// What was written, with the defaults filled in.
+    pub spec: Spec,
+    pub source: Source,
+}
+
+#[derive(Clone, Debug)]
+pub struct GeometryPlan {
+    pub file: PathBuf,
+    pub unit_in_metres: f64,
+    pub parameters: BTreeMap<String, Value>,
+}
+
+#[derive(Clone, Debug)]
+pub struct RegionPlan {
+    pub groups: Vec<String>,
+    pub material_name: String,
+    pub material: Material,
+    pub method: Method,
+}
+
+impl RegionPlan {
+    pub fn name(&self) -> String {
+        self.groups.join("+")
+    }
+}
+
+/// What happens at one group.
+#[derive(Clone, Debug)]
+pub struct Condition {
+    pub group: String,
+    /// [m].
+    pub displacement: Option<[Option<f64>; 2]>,
+    pub loads: Vec<EdgeLoad>,
+}
+
+/// A displacement to report.
+#[derive(Clone, Debug)]
+pub struct Probe {
+    pub name: String,
+    /// [m].
+    pub at: [f64; 2],
+    pub axis: usize,
+    /// [m].
+    pub reference: Option<f64>,
+}
+
+/// Poisson's ratio may differ by this much from 1/3 or 1/4, so that 0.3333333 is accepted.
+const POISSON_TOLERANCE: f64 = 1e-6;
+
+/// Horizons of fewer spacings hold too few bonds for an isotropic material.
+const SMALLEST_HORIZON: f64 = 2.0;
+/// Larger families than these 1 250 neighbours are a slip of the pen.
+const LARGEST_HORIZON: f64 = 20.0;
+
+impl Plan {
+    /// Reads and checks a pipeline file. `overrides` are `key=value` with keys such as
+    /// `regions.1.spacing`; `results` is where `NAME/` goes, by default `results/` beside the
+    /// `pipelines/` folder that holds the file, or beside the file.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, with its place.
+    pub fn read(path: &Path, overrides: &[String], results: Option<&Path>) -> Result<Plan, InputError> {
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            let message = format!("the pipeline {} cannot be read: {error}", path.display());
+            InputError::plain(message, nearby_pipelines(path))
+        })?;
+        let overrides = parse_overrides(overrides)?;
+        let source = Source::new(path, text, overrides);
+        let spec = parse(&source)?;
+        let reader = Reader { source: &source, spec: &spec };
+        let plane = match spec.plane {
+            spec::Plane::Stress => PlaneState::Stress,
+            spec::Plane::Strain => PlaneState::Strain,
+        };
+        let materials = reader.materials()?;
+        Ok(Plan {
+            name: reader.name()?,
+            folder: results.map_or_else(|| default_results(path), Path::to_owned).join(&spec.name),
+            geometry: reader.geometry()?,
+            model: ModelSettings {
+                plane,
+                thickness: reader.positive("thickness", &spec.thickness, Dimension::LENGTH)?,
+                node_area: reader.node_area()?,
+            },
+            regions: reader.regions(&materials, plane)?,
+            conditions: reader.conditions()?,
+            probes: reader.probes()?,
+            output: spec.output.clone(),
+            spec,
+            source,
+        })
+    }
+}
+
+fn nearby_pipelines(path: &Path) -> Option<String> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .ok()?
+        .filter_map(|entry| entry.ok()?.path().to_str().map(str::to_owned))
+        .filter(|name| name.ends_with(".yaml") || name.ends_with(".yml"))
+        .collect();
+    names.sort();
+    let given = path.to_str()?;
+    (!names.is_empty()).then(|| choices(given, names.iter().map(String::as_str)))
+}
+
+fn default_results(pipeline: &Path) -> PathBuf {
+    let folder = pipeline.parent().unwrap_or(Path::new(""));
+    if folder.file_name().is_some_and(|name| name == "pipelines") {
+        folder.parent().unwrap_or(Path::new("")).join("results")
+    } else if folder.as_os_str().is_empty() && in_pipelines_folder() {
+        PathBuf::from("../results")
+    } else {
+        folder.join("results")
+    }
+}
+
+fn in_pipelines_folder() -> bool {
+    std::env::current_dir().is_ok_and(|d| d.file_name().is_some_and(|name| name == "pipelines"))
+}
+
+fn parse_overrides(overrides: &[String]) -> Result<Vec<(String, String)>, InputError> {
+    let parse = |text: &String| match text.split_once('=') {
+        Some((key, value)) if !key.is_empty() => Ok((key.replace('.', "/"), value.to_owned())),
+        _ => Err(InputError::plain(
+            format!("`--set {text}` is not of the form key=value"),
+            Some("write, say, `--set regions.0.horizon=3` or `--set geometry.parameters.h=5`".into()),
+        )),
+    };
+    overrides.iter().map(parse).collect()
+}
+
+fn parse(source: &Source) -> Result<Spec, InputError> {
+    if source.overrides().is_empty() {
+        return serde_yaml::from_str(source.text()).map_err(|error| yaml_error(source, &error));
+    }
+    let mut document: Yaml =
+        serde_yaml::from_str(source.text()).map_err(|error| yaml_error(source, &error))?;
+    for (key, value) in source.overrides() {
+        override_value(&mut document, key, value).map_err(|help| {
+            let message = format!("`--set {}={value}` names no place in the pipeline", key.replace('/', "."));
+            InputError::plain(message, Some(help))
+        })?;
+    }
+    serde_yaml::from_value(document).map_err(|error| yaml_error(source, &error))
+}
+
+/// Puts `value` at `key`; keys on the way must exist, the last one need not.
+fn override_value(document: &mut Yaml, key: &str, value: &str) -> Result<(), String> {
+    let mut place = document;
+    for step in key.split('/') {
+        place = match place {
+            Yaml::Sequence(list) => {
+                let count = list.len();
+                let index = step.parse().ok().filter(|k: &usize| *k < count);
+                let index = index.ok_or_else(|| format!("`{step}` must be a number below {count}"))?;
+                &mut list[index]
+            }
+            Yaml::Mapping(mapping) => mapping.entry(step.into()).or_insert(Yaml::Null),
+            Yaml::Null => {
+                *place = Yaml::Mapping(Default::default());
+                place.as_mapping_mut().expect("it was just made").entry(step.into()).or_insert(Yaml::Null)
+            }
+            _ => return Err(format!("there is nothing below what holds `{step}`")),
+        };
+    }
+    *place = serde_yaml::from_str(value).unwrap_or_else(|_| Yaml::String(value.to_owned()));
+    Ok(())
+}
+
+/// serde's message without its position, which the diagnostic shows, and with the closest choice.
+fn yaml_error(source: &Source, error: &serde_yaml::Error) -> InputError {
+    let full = error.to_string();
+    let message = full.split(" at line ").next().unwrap_or(&full).to_owned();
+    let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+    let help = match quoted.split_first() {
+        Some((given, valid)) if message.contains("unknown") && !valid.is_empty() => {
+            Some(choices(given, valid.iter().copied()))
+        }
+        _ => None,
+    };
+    let summary = match help {
+        Some(_) => message.split(", expected").next().unwrap_or(&message).to_owned(),
+        None => message,
+    };
+    match error.location() {
+        Some(location) => source.error_at_byte(location.index(), summary, help),
+        None => source.error("", summary, help),
+    }
+}
+
+/// Turns the spec into numbers; every error carries its key.
+struct Reader<'a> {
+    source: &'a Source,
+    spec: &'a Spec,
+}
+
+impl Reader<'_> {
+    fn name(&self) -> Result<String, InputError> {
+        let name = &self.spec.name;
+        let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
+        if name.is_empty() || name.starts_with('.') || !name.chars().all(plain) {
+            let message = format!("`{name}` cannot name a folder of results");
+            let help = "use letters, digits, `_`, `-` and `.`, such as `plate_mode_i`".to_owned();
+            return Err(self.source.error("name", message, Some(help)));
+        }
+        Ok(name.clone())
+    }
+
+    fn quantity(&self, key: &str, value: &spec::Scalar, expected: Dimension) -> Result<f64, InputError> {
+        quantity::parse(&value.0, expected)
+            .map_err(|error| self.source.error(key, error.to_string(), Some(error.help())))
+    }
+
+    fn positive(&self, key: &str, value: &spec::Scalar, expected: Dimension) -> Result<f64, InputError> {
+        let number = self.quantity(key, value, expected)?;
+        if number > 0.0 {
+            return Ok(number);
+        }
+        let help = Some(format!("write {} greater than zero", expected.describe()));
+        Err(self.source.error(key, format!("`{}` is not positive", value.0), help))
+    }
+
+    fn geometry(&self) -> Result<GeometryPlan, InputError> {
+        let geometry = &self.spec.geometry;
+        let folder = self.source.path.parent().unwrap_or(Path::new(""));
+        let file = folder.join(&geometry.file);
+        if !file.is_file() {
+            let message = format!("the geometry file {} does not exist", file.display());
+            let help = "the path is relative to the pipeline file".to_owned();
+            return Err(self.source.error("geometry/file", message, Some(help)));
+        }
+        let unit = spec::Scalar(format!("1 {}", geometry.unit));
+        Ok(GeometryPlan {
+            file,
+            unit_in_metres: self.positive("geometry/unit", &unit, Dimension::LENGTH)?,
+            parameters: geometry.parameters.iter().map(|(k, v)| (k.clone(), parameter(v))).collect(),
+        })
+    }
+
+    fn materials(&self) -> Result<BTreeMap<String, Material>, InputError> {
+        let material = |(name, written): (&String, &spec::Material)| {
+            let key = |field| format!("materials/{name}/{field}");
+            let young = self.positive(&key("young"), &written.young, Dimension::PRESSURE)?;
+            let poisson = self.quantity(&key("poisson"), &written.poisson, Dimension::NUMBER)?;
+            if !(-1.0 < poisson && poisson < 0.5) {
+                let message = format!("Poisson's ratio `{}` is not between -1 and 1/2", written.poisson.0);
+                return Err(self.source.error(&key("poisson"), message, None));
+            }
+            Ok((name.clone(), Material { young, poisson }))
+        };
+        self.spec.materials.iter().map(material).collect()
+    }
+
+    fn node_area(&self) -> Result<NodeArea, InputError> {
+        let written = &self.spec.coupling.truss.node_area;
+        match written.0.as_str() {
+            "lumped" => Ok(NodeArea::Lumped),
+            "half-edge" => Ok(NodeArea::HalfEdge),
+            text if !text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) => {
+                let message = format!("`{text}` is no way to find an interface node's area");
+                let help = "write `lumped`, `half-edge` or an area such as `12.5 mm^2`".to_owned();
+                Err(self.source.error("coupling/truss/node_area", message, Some(help)))
+            }
+            _ => self
+                .positive("coupling/truss/node_area", written, Dimension::AREA)
+                .map(NodeArea::Given),
+        }
+    }
+
+    fn regions(
+        &self,
+        materials: &BTreeMap<String, Material>,
+        plane: PlaneState,
+    ) -> Result<Vec<RegionPlan>, InputError> {
+        if self.spec.regions.is_empty() {
+            let help = Some("name a physical surface and its model: `fem` or `peridynamics`".to_owned());
+            return Err(self.source.error("regions", "there is no region", help));
+        }
+        let read = |(index, region): (usize, &spec::Region)| {
+            let key = |field: &str| format!("regions/{index}/{field}");
+            let material = *materials.get(&region.material).ok_or_else(|| {
+                let message = format!("material `{}` is not defined", region.material);
+                let help = choices(&region.material, materials.keys().map(String::as_str));
+                self.source.error(&key("material"), message, Some(help))
+            })?;
+            let method = match region.model {
+                spec::RegionModel::Fem => self.finite_elements(index, region)?,
+                spec::RegionModel::Peridynamics => {
+                    self.check_poisson(&key("material"), region, &material, plane)?;
+                    self.peridynamics(index, region)?
+                }
+            };
+            Ok(RegionPlan {
+                groups: region.group.0.clone(),
+                material_name: region.material.clone(),
+                material,
+                method,
+            })
+        };
+        self.spec.regions.iter().enumerate().map(read).collect()
+    }
+
+    fn check_poisson(
+        &self,
+        key: &str,
+        region: &spec::Region,
+        material: &Material,
+        plane: PlaneState,
+    ) -> Result<(), InputError> {
+        let needed = plane.bond_based_poisson();
+        if (material.poisson - needed).abs() <= POISSON_TOLERANCE {
+            return Ok(());
+        }
+        let (state, fraction) = match plane {
+            PlaneState::Stress => ("stress", "1/3"),
+            PlaneState::Strain => ("strain", "1/4"),
+        };
+        let message = format!(
+            "material `{}` has ν = {}, but bonds in plane {state} can only have ν = {fraction}",
+            region.material, material.poisson
+        );
+        let help = format!(
+            "bonds are central forces: set `poisson: {fraction}` in `{}`, or give this region \
+             `model: fem`",
+            region.material
+        );
+        let place = format!("materials/{}/poisson", region.material);
+        let known = self.spec.materials.contains_key(&region.material);
+        Err(self.source.error(if known { &place } else { key }, message, Some(help)))
+    }
+
+    fn finite_elements(&self, index: usize, region: &spec::Region) -> Result<Method, InputError> {
+        let lattice_keys = [
+            ("spacing", region.spacing.is_some()),
+            ("horizon", region.horizon.is_some()),
+            ("kernel", region.kernel.is_some()),
+            ("points", region.points.is_some()),
+            ("cell_area", region.cell_area.is_some()),
+            ("partial_area", region.partial_area.is_some()),
+        ];
+        match lattice_keys.iter().find(|(_, given)| *given) {
+            Some((name, _)) => Err(self.source.error(
+                &format!("regions/{index}/{name}"),
+                format!("`{name}` belongs to peridynamic regions, and this one is `model: fem`"),
+                Some(format!("remove `{name}`, or write `model: peridynamics`")),
+            )),
+            None => Ok(Method::FiniteElements),
+        }
+    }
+
+    fn peridynamics(&self, index: usize, region: &spec::Region) -> Result<Method, InputError> {
+        let key = |field: &str| format!("regions/{index}/{field}");
+        let missing = |field: &str, example: &str| {
+            let message = format!("a peridynamic region needs a `{field}`");
+            self.source.error(&format!("regions/{index}"), message, Some(format!("add `{example}`")))
+        };
+        let spacing = region.spacing.as_ref().ok_or_else(|| missing("spacing", "spacing: 0.5 mm"))?;
+        let spacing = self.positive(&key("spacing"), spacing, Dimension::LENGTH)?;
+        let written = region.horizon.as_ref().ok_or_else(|| missing("horizon", "horizon: 4"))?;
+        Ok(Method::Peridynamics(PeridynamicSettings {
+            lattice: LatticeSettings {
+                spacing,
+                placement: region.points.map_or(Placement::CellCentred, |points| match points {
+                    spec::Points::CellCentred => Placement::CellCentred,
+                    spec::Points::GridNodes => Placement::GridNodes,
+                }),
+                cell_area: region.cell_area.map_or(CellArea::Clipped, |area| match area {
+                    spec::CellArea::Full => CellArea::Full,
+                    spec::CellArea::Clipped => CellArea::Clipped,
+                }),
+            },
+            horizon_ratio: self.horizon(&key("horizon"), written, spacing)?,
+            kernel: region.kernel.map_or(Kernel::Quartic, kernel),
+            partial_area: region.partial_area.map_or(PartialArea::Full, |area| match area {
+                spec::PartialArea::Full => PartialArea::Full,
+                spec::PartialArea::Hhb => PartialArea::Hhb,
+            }),
+        }))
+    }
+
+    /// m = δ/dx from a number of spacings or a length.
+    fn horizon(&self, key: &str, written: &spec::Scalar, spacing: f64) -> Result<f64, InputError> {
+        let fail = |message: String, help: String| Err(self.source.error(key, message, Some(help)));
+        let ratio = match quantity::parse_any(&written.0) {
+            Ok((number, None)) => number,
+            _ => self.quantity(key, written, Dimension::LENGTH)? / spacing,
+        };
+        if ratio < SMALLEST_HORIZON * (1.0 - 1e-9) {
+            return fail(
+                format!("a horizon of {} is {ratio:.3} spacings, less than {SMALLEST_HORIZON}", written.0),
+                "give it in spacings (`horizon: 4`) or as a length; 3 to 5 spacings are usual".into(),
+            );
+        }
+        if ratio > LARGEST_HORIZON {
+            return fail(
+                format!("a horizon of {} is {ratio:.3} spacings, more than {LARGEST_HORIZON}", written.0),
+                "a number without a unit counts spacings: `horizon: 4`; a length needs a unit".into(),
+            );
+        }
+        Ok(ratio)
+    }
+
+    fn conditions(&self) -> Result<Vec<Condition>, InputError> {
+        let read = |(index, written): (usize, &spec::Boundary)| {
+            let key = |field: &str| format!("boundary/{index}/{field}");
+            let pair = |field: &str, c: &spec::Components, dimension| {
+                let one = |axis: &str, value: &Option<spec::Scalar>| {
+                    let read = |v| self.quantity(&key(&format!("{field}/{axis}")), v, dimension);
+                    value.as_ref().map(read).transpose()
+                };
+                let components = [one("x", &c.x)?, one("y", &c.y)?];
+                if components == [None, None] {
+                    let help = Some(format!("give `x`, `y` or both: `{field}: {{ x: 0 }}`"));
+                    return Err(self.source.error(&key(field), format!("this {field} has no component"), help));
+                }
+                Ok(components)
+            };
+            let displacement =
+                written.displacement.as_ref().map(|c| pair("displacement", c, Dimension::LENGTH)).transpose()?;
+            let mut loads = Vec::new();
+            if let Some(components) = &written.traction {
+                let traction = pair("traction", components, Dimension::PRESSURE)?;
+                loads.push(EdgeLoad::Traction(traction.map(|t| t.unwrap_or(0.0))));
+            }
+            if let Some(pressure) = &written.pressure {
+                let pressure = self.quantity(&key("pressure"), pressure, Dimension::PRESSURE)?;
+                loads.push(EdgeLoad::Pressure(pressure));
+            }
+            if displacement.is_none() && loads.is_empty() {
+                let message = format!("nothing happens at `{}`", written.group);
+                let help = "give a `displacement`, a `traction` or a `pressure`".to_owned();
+                return Err(self.source.error(&format!("boundary/{index}"), message, Some(help)));
+            }
+            Ok(Condition { group: written.group.clone(), displacement, loads })
+        };
+        let conditions: Vec<Condition> =
+            self.spec.boundary.iter().enumerate().map(read).collect::<Result<_, _>>()?;
+        if conditions.iter().all(|c| c.displacement.is_none()) {
+            let message = "no displacement is prescribed: nothing holds the body";
+            let help = "add a support, such as `- { group: clamp, displacement: { x: 0, y: 0 } }`";
+            return Err(self.source.error("boundary", message, Some(help.to_owned())));
+        }
+        Ok(conditions)
+    }
+
+    fn probes(&self) -> Result<Vec<Probe>, InputError> {
+        let read = |(name, probe): (&String, &spec::Probe)| {
+            let key = |field: &str| format!("probes/{name}/{field}");
+            let at = |k: usize| self.quantity(&key(&format!("at/{k}")), &probe.at[k], Dimension::LENGTH);
+            let reference = probe.reference.as_ref();
+            Ok(Probe {
+                name: name.clone(),
+                at: [at(0)?, at(1)?],
+                axis: match probe.component {
+                    spec::Component::X => 0,
+                    spec::Component::Y => 1,
+                },
+                reference: reference
+                    .map(|value| self.quantity(&key("reference"), value, Dimension::LENGTH))
+                    .transpose()?,
+            })
+        };
+        self.spec.probes.iter().map(read).collect()
+    }
+}
+
+fn kernel(written: spec::Kernel) -> Kernel {
+    match written {
+        spec::Kernel::Quartic => Kernel::Quartic,
+        spec::Kernel::Constant => Kernel::Constant,
+        spec::Kernel::Linear => Kernel::Linear,
+        spec::Kernel::Parabolic => Kernel::Parabolic,
+        spec::Kernel::Inverse => Kernel::Inverse,
+    }
+}
+
+/// A `.geo` parameter is a number where it reads as one.
+fn parameter(written: &spec::Scalar) -> Value {
+    match written.0.parse() {
+        Ok(number) => Value::Number(number),
+        Err(_) => Value::Text(written.0.clone()),
+    }
+}

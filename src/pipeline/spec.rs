@@ -1,0 +1,313 @@
+//! The pipeline file as it is written (YAML): raw text for every quantity, no unknown key.
+
+use serde::{Deserialize, Deserializer, Serialize, de};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// A whole pipeline file; docs/pipeline.md describes every key.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Spec {
+    /// Results go to `results/NAME/`.
+    pub name: String,
+    pub geometry: Geometry,
+    #[serde(default)]
+    pub plane: Plane,
+    #[serde(default = "one_metre")]
+    pub thickness: Scalar,
+    pub materials: BTreeMap<String, Material>,
+    pub regions: Vec<Region>,
+    #[serde(default)]
+    pub coupling: Coupling,
+    pub boundary: Vec<Boundary>,
+    #[serde(default)]
+    pub probes: BTreeMap<String, Probe>,
+    #[serde(default)]
+    pub output: Output,
+}
+
+fn one_metre() -> Scalar {
+    Scalar("1 m".to_owned())
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Geometry {
+    /// A `.geo` or `.msh`, relative to the pipeline file.
+    pub file: String,
+    /// The length that 1 stands for in the file.
+    #[serde(default = "metre")]
+    pub unit: String,
+    /// `DefineConstant` values of the `.geo`.
+    #[serde(default)]
+    pub parameters: BTreeMap<String, Scalar>,
+}
+
+fn metre() -> String {
+    "m".to_owned()
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Plane {
+    #[default]
+    Stress,
+    Strain,
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    pub young: Scalar,
+    pub poisson: Scalar,
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Region {
+    /// One physical surface, or several that form one region.
+    pub group: Names,
+    pub model: RegionModel,
+    pub material: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spacing: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub horizon: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kernel: Option<Kernel>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points: Option<Points>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cell_area: Option<CellArea>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub partial_area: Option<PartialArea>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RegionModel {
+    Fem,
+    Peridynamics,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kernel {
+    Quartic,
+    Constant,
+    Linear,
+    Parabolic,
+    Inverse,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Points {
+    CellCentred,
+    GridNodes,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CellArea {
+    Full,
+    Clipped,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PartialArea {
+    Full,
+    Hhb,
+}
+
+/// `truss`, or `truss: { node_area: … }`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Coupling {
+    pub truss: Truss,
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Truss {
+    /// `lumped`, `half-edge` or an area.
+    #[serde(default = "lumped")]
+    pub node_area: Scalar,
+}
+
+fn lumped() -> Scalar {
+    Scalar("lumped".to_owned())
+}
+
+impl Default for Coupling {
+    fn default() -> Coupling {
+        Coupling { truss: Truss { node_area: lumped() } }
+    }
+}
+
+impl<'de> Deserialize<'de> for Coupling {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Coupling, D::Error> {
+        struct Visitor;
+        impl<'de> de::Visitor<'de> for Visitor {
+            type Value = Coupling;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("`truss` or `truss: { node_area: … }`")
+            }
+
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<Coupling, E> {
+                match text {
+                    "truss" => Ok(Coupling::default()),
+                    _ => Err(E::unknown_variant(text, &["truss"])),
+                }
+            }
+
+            fn visit_map<A: de::MapAccess<'de>>(self, mut map: A) -> Result<Coupling, A::Error> {
+                let mut truss = None;
+                while let Some(key) = map.next_key::<String>()? {
+                    match key.as_str() {
+                        "truss" => truss = Some(map.next_value()?),
+                        _ => return Err(de::Error::unknown_field(&key, &["truss"])),
+                    }
+                }
+                truss.map(|truss| Coupling { truss }).ok_or_else(|| de::Error::missing_field("truss"))
+            }
+        }
+        deserializer.deserialize_any(Visitor)
+    }
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Boundary {
+    /// A physical curve or point.
+    pub group: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub displacement: Option<Components>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub traction: Option<Components>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<Scalar>,
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Components {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y: Option<Scalar>,
+}
+
+/// A displacement to report.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// The nearest node or material point is read.
+    pub at: [Scalar; 2],
+    pub component: Component,
+    /// What it should be.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference: Option<Scalar>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Component {
+    X,
+    Y,
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Output {
+    pub fields: Vec<OutputField>,
+    /// Write bonds and trusses as lines with their stretch.
+    pub bonds: bool,
+    pub pictures: bool,
+}
+
+impl Default for Output {
+    fn default() -> Output {
+        use OutputField::{Displacement, Strain, Stress};
+        Output { fields: vec![Displacement, Stress, Strain], bonds: false, pictures: true }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OutputField {
+    Displacement,
+    Stress,
+    Strain,
+}
+
+/// One name or a list of them.
+#[derive(Clone, Debug, Serialize)]
+#[serde(transparent)]
+pub struct Names(pub Vec<String>);
+
+impl<'de> Deserialize<'de> for Names {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Names, D::Error> {
+        struct Visitor;
+        impl<'de> de::Visitor<'de> for Visitor {
+            type Value = Names;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a group's name or a list of them")
+            }
+
+            fn visit_str<E: de::Error>(self, name: &str) -> Result<Names, E> {
+                Ok(Names(vec![name.to_owned()]))
+            }
+
+            fn visit_u64<E: de::Error>(self, tag: u64) -> Result<Names, E> {
+                Ok(Names(vec![tag.to_string()]))
+            }
+
+            fn visit_seq<A: de::SeqAccess<'de>>(self, mut list: A) -> Result<Names, A::Error> {
+                let mut names = Vec::new();
+                while let Some(name) = list.next_element()? {
+                    names.push(name);
+                }
+                if names.is_empty() { Err(de::Error::invalid_length(0, &self)) } else { Ok(Names(names)) }
+            }
+        }
+        deserializer.deserialize_any(Visitor)
+    }
+}
+
+/// A number, a quantity or a word, kept as it is written.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(transparent)]
+pub struct Scalar(pub String);
+
+impl<'de> Deserialize<'de> for Scalar {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Scalar, D::Error> {
+        struct Visitor;
+        impl de::Visitor<'_> for Visitor {
+            type Value = Scalar;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a number or a quantity such as `30 GPa`")
+            }
+
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<Scalar, E> {
+                Ok(Scalar(text.to_owned()))
+            }
+
+            fn visit_i64<E: de::Error>(self, number: i64) -> Result<Scalar, E> {
+                Ok(Scalar(number.to_string()))
+            }
+
+            fn visit_u64<E: de::Error>(self, number: u64) -> Result<Scalar, E> {
+                Ok(Scalar(number.to_string()))
+            }
+
+            fn visit_f64<E: de::Error>(self, number: f64) -> Result<Scalar, E> {
+                Ok(Scalar(number.to_string()))
+            }
+        }
+        deserializer.deserialize_any(Visitor)
+    }
+}

@@ -1,0 +1,150 @@
+//! A plan and a mesh to the discretisation; what does not fit is told at its key in the pipeline.
+
+use super::plan::Plan;
+use super::source::{InputError, choices};
+use crate::boundary::{Boundary, BoundaryError};
+use crate::mesh::Mesh;
+use crate::model::{Model, ModelError, Region};
+use crate::support;
+
+/// Builds the model and its boundary conditions and checks that the body is held.
+///
+/// # Errors
+/// The first thing that does not fit.
+pub fn discretise(plan: &Plan, mesh: Mesh) -> Result<(Model, Boundary), InputError> {
+    let regions = regions(plan, &mesh)?;
+    check_groups(plan, &mesh)?;
+    let model = Model::build(mesh, regions, plan.model).map_err(|e| model_error(plan, &e))?;
+    let mut boundary = Boundary::new(&model);
+    for (index, condition) in plan.conditions.iter().enumerate() {
+        apply(&mut boundary, &model, condition).map_err(|e| boundary_error(plan, index, &e))?;
+    }
+    support::check(&model, &boundary).map_err(|error| {
+        let groups = plan.conditions.iter().map(|c| c.group.as_str());
+        let held: std::collections::BTreeSet<&str> = groups.collect();
+        let held: Vec<String> = held.iter().map(|g| format!("`{g}`")).collect();
+        let groups: Vec<&str> = boundary_groups(&model.mesh).collect();
+        let help = format!(
+            "prescribe a displacement that prevents it. `boundary` acts on {}; groups of the mesh: {}",
+            held.join(", "),
+            groups.iter().map(|g| format!("`{g}`")).collect::<Vec<_>>().join(", ")
+        );
+        plan.source.error("boundary", error.to_string(), Some(help))
+    })?;
+    Ok((model, boundary))
+}
+
+fn apply(
+    boundary: &mut Boundary,
+    model: &Model,
+    condition: &super::plan::Condition,
+) -> Result<(), BoundaryError> {
+    if let Some(components) = condition.displacement {
+        boundary.displace(model, &condition.group, components)?;
+    }
+    for &load in &condition.loads {
+        boundary.press(model, &condition.group, load)?;
+    }
+    Ok(())
+}
+
+fn regions(plan: &Plan, mesh: &Mesh) -> Result<Vec<Region>, InputError> {
+    let region = |(index, planned): (usize, &super::plan::RegionPlan)| {
+        let mut cells = Vec::new();
+        for group in &planned.groups {
+            match mesh.surfaces.get(group) {
+                Some(of_group) => cells.extend(of_group),
+                None => return Err(unknown_surface(plan, mesh, index, group)),
+            }
+        }
+        cells.sort_unstable();
+        cells.dedup();
+        Ok(Region {
+            name: planned.name(),
+            cells,
+            material: planned.material,
+            method: planned.method,
+        })
+    };
+    plan.regions.iter().enumerate().map(region).collect()
+}
+
+fn unknown_surface(plan: &Plan, mesh: &Mesh, index: usize, group: &str) -> InputError {
+    let file = plan.geometry.file.display();
+    let message = if mesh.curves.contains_key(group) || mesh.points.contains_key(group) {
+        format!("group `{group}` of {file} is no surface, and a region is made of surfaces")
+    } else {
+        format!("there is no physical surface `{group}` with elements in {file}")
+    };
+    let help = choices(group, mesh.surfaces.keys().map(String::as_str));
+    plan.source.error(&format!("regions/{index}/group"), message, Some(help))
+}
+
+fn boundary_groups(mesh: &Mesh) -> impl Iterator<Item = &str> {
+    mesh.curves.keys().chain(mesh.points.keys()).map(String::as_str)
+}
+
+fn check_groups(plan: &Plan, mesh: &Mesh) -> Result<(), InputError> {
+    for (index, condition) in plan.conditions.iter().enumerate() {
+        let group = &condition.group;
+        if !boundary_groups(mesh).any(|name| name == group) {
+            let file = plan.geometry.file.display();
+            let message = format!("there is no physical curve or point `{group}` in {file}");
+            let help = choices(group, boundary_groups(mesh));
+            return Err(plan.source.error(&format!("boundary/{index}/group"), message, Some(help)));
+        }
+    }
+    Ok(())
+}
+
+fn model_error(plan: &Plan, error: &ModelError) -> InputError {
+    let key = |name: &str| {
+        let index = plan.regions.iter().rposition(|region| region.name() == name);
+        format!("regions/{}/group", index.unwrap_or(0))
+    };
+    let (key, help) = match error {
+        ModelError::RegionEmpty { region } => (
+            key(region),
+            "mesh the surface in the .geo, or name another group".to_owned(),
+        ),
+        ModelError::RegionsOverlap { second, .. } => (
+            key(second),
+            "every surface belongs to one region: change the physical groups or the regions".to_owned(),
+        ),
+        ModelError::RegionsTouch { first, second } => (
+            key(second),
+            format!(
+                "make them one region, `group: [{}, {}]`, or put a finite-element region between",
+                first.replace('+', ", "),
+                second.replace('+', ", ")
+            ),
+        ),
+        ModelError::Jacobian { region, .. } => (
+            key(region),
+            "look at the mesh there; curved sides may need smaller elements, and a `.msh` the node \
+             order of Gmsh"
+                .to_owned(),
+        ),
+        ModelError::NoMaterialPoint { region } => {
+            (key(region).replace("group", "spacing"), "choose a smaller `spacing`".to_owned())
+        }
+    };
+    plan.source.error(&key, error.to_string(), Some(help))
+}
+
+fn boundary_error(plan: &Plan, index: usize, error: &BoundaryError) -> InputError {
+    let help = match error {
+        BoundaryError::NothingThere { .. } => {
+            "is its surface part of a region? A curve acts on element nodes on it, and on material \
+             points within half a spacing of it"
+        }
+        BoundaryError::NoOutline { .. } => {
+            "loads act on curves that bound the body; this one lies inside it or off it"
+        }
+        BoundaryError::LoadOnPoint { .. } => "give the traction to a physical curve",
+        BoundaryError::Conflict { .. } => {
+            "where two groups meet, they must prescribe the same value, or only one of them"
+        }
+    };
+    plan.source.error(&format!("boundary/{index}"), error.to_string(), Some(help.to_owned()))
+}

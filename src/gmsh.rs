@@ -176,7 +176,8 @@ pub fn mesh(
         });
     }
     let mesh_dimension = mesh_dimension(geometry)?;
-    check_parameters(geometry, parameters)?;
+    let script = read_script(geometry)?;
+    check_parameters(geometry, script.as_ref(), parameters)?;
     let libraries = libraries(options)?;
     let folder = tempfile::tempdir().map_err(worker_error("create a temporary folder"))?;
     let request = worker::Request {
@@ -189,7 +190,19 @@ pub fn mesh(
     let log_file = folder.path().join("log");
     let end = run_worker(&request, &log_file, options)?;
     let log = last_lines(&log_file);
-    conclude(geometry, &request, end, log, options.time_limit)
+    let mut extract = conclude(geometry, &request, end, log, options.time_limit)?;
+    extract
+        .warnings
+        .extend(script.into_iter().flat_map(|script| script.warnings));
+    Ok(extract)
+}
+
+/// What can be read of a `.geo` without running it; None for other files.
+fn read_script(file: &Path) -> Result<Option<GeoScript>, GmshError> {
+    if file.extension().is_none_or(|extension| extension != "geo") {
+        return Ok(None);
+    }
+    Ok(Some(GeoScript::scan(file)?))
 }
 
 /// How the worker ended.
@@ -248,19 +261,21 @@ fn mesh_dimension(file: &Path) -> Result<Option<i32>, GmshError> {
     }
 }
 
-fn check_parameters(file: &Path, parameters: &BTreeMap<String, Value>) -> Result<(), GmshError> {
-    let Some(first) = parameters.keys().next() else {
-        return Ok(());
-    };
-    if file.extension().is_none_or(|extension| extension != "geo") {
-        return Err(GmshError::ParameterOfMesh {
-            file: file.to_owned(),
-            name: first.clone(),
-        });
+fn check_parameters(
+    file: &Path,
+    script: Option<&GeoScript>,
+    parameters: &BTreeMap<String, Value>,
+) -> Result<(), GmshError> {
+    for (name, value) in parameters {
+        let Some(script) = script else {
+            return Err(GmshError::ParameterOfMesh {
+                file: file.to_owned(),
+                name: name.clone(),
+            });
+        };
+        check_parameter(file, script, name, value)?;
     }
-    let script = GeoScript::scan(file)?;
-    let mut given = parameters.iter();
-    given.try_for_each(|(name, value)| check_parameter(file, &script, name, value))
+    Ok(())
 }
 
 fn check_parameter(
@@ -305,17 +320,24 @@ fn arguments(parameters: &BTreeMap<String, Value>) -> Vec<String> {
     words.collect()
 }
 
+/// The libraries to try, as absolute paths: the loader seeks a bare file name elsewhere.
 fn libraries(options: &Options) -> Result<Vec<PathBuf>, GmshError> {
-    if let Some(library) = &options.library {
-        return Ok(vec![library.clone()]);
-    }
-    let search = library::Places::of_this_process().search();
-    match search.found.as_slice() {
-        [] => Err(GmshError::LibraryNotFound {
-            tried: search.tried,
-        }),
-        _ => Ok(search.found),
-    }
+    let candidates = match &options.library {
+        Some(library) => vec![library.clone()],
+        None => {
+            let search = library::Places::of_this_process().search();
+            if search.found.is_empty() {
+                return Err(GmshError::LibraryNotFound {
+                    tried: search.tried,
+                });
+            }
+            search.found
+        }
+    };
+    let absolute = candidates.iter().map(std::path::absolute);
+    absolute
+        .collect::<io::Result<_>>()
+        .map_err(worker_error("find the current directory"))
 }
 
 fn absolute_text(file: &Path) -> Result<String, GmshError> {

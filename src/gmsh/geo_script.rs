@@ -5,6 +5,10 @@
 //! `Exists(...)`: those Gmsh lets the command line override (`-setnumber`, `-setstring`), under the
 //! variable's name, whatever its `Name "..."` attribute. Variables of `DefineNumber[...]` and
 //! `DefineString[...]` are not overridden (4.8: never; 4.15: only under the attribute's name).
+//!
+//! Two traps that Gmsh passes over in silence (4.8 and 4.15) are found here: of a last line without
+//! an end-of-line only the first statement is run, and what follows an `Include` on its line is run
+//! before the included file.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
@@ -49,6 +53,8 @@ pub struct GeoScript {
     pub fixed: BTreeSet<String>,
     /// The script and every existing file that it includes, merges or reads, sorted.
     pub files: Vec<PathBuf>,
+    /// Lines that Gmsh runs otherwise than they read.
+    pub warnings: Vec<String>,
 }
 
 impl GeoScript {
@@ -69,6 +75,7 @@ impl GeoScript {
                 })?;
                 let text = Text::new(&String::from_utf8_lossy(&text));
                 script.add_parameters(&file, &text);
+                script.add_warnings(&file, &text);
                 pending.extend(named_files(&file, &text));
             }
             script.files.push(file);
@@ -106,6 +113,32 @@ impl GeoScript {
         for word in ["DefineNumber", "DefineString"] {
             let starts = text.words(word).map(|at| at.start);
             self.fixed.extend(starts.filter_map(|at| text.assigned(at)));
+        }
+    }
+
+    fn add_warnings(&mut self, file: &Path, text: &Text) {
+        let mut warn = |at: usize, what: &str| {
+            let (file, line) = (file.display(), text.line(at));
+            self.warnings.push(format!("{file}:{line}: {what}"));
+        };
+        let last = text.code.rfind('\n').map_or(0, |newline| newline + 1);
+        if text.code[last..].matches(';').count() > 1 {
+            warn(
+                last,
+                "the file does not end with an end-of-line, so Gmsh runs only the first \
+                 statement of its last line; add one",
+            );
+        }
+        for at in text.words("Include") {
+            let rest = text.code[at.end..].lines().next().unwrap_or_default();
+            let behind = rest.split_once(';').map_or("", |(_, behind)| behind.trim());
+            if !behind.is_empty() {
+                warn(
+                    at.start,
+                    "Gmsh runs what follows an Include on the same line before the included \
+                     file; put it on a line of its own",
+                );
+            }
         }
     }
 
@@ -444,6 +477,30 @@ mod tests {
         assert_eq!(script.nearest("elment"), Some("element"));
         assert_eq!(script.nearest("band_strat"), Some("band_start"));
         assert_eq!(script.nearest("xyz"), None);
+    }
+
+    #[test]
+    fn silent_traps_are_warned_of() {
+        let warnings = |text: &str| scan(text).warnings;
+        let lost = warnings("a = 1;\nb = 2; c = 3;");
+        assert_eq!(lost.len(), 1);
+        assert!(
+            lost[0].contains("model.geo:2: the file does not end"),
+            "{lost:?}"
+        );
+        let early = warnings("a = 1;\n Include \"x.geo\"; b = 2;\n");
+        assert_eq!(early.len(), 1);
+        assert!(
+            early[0].contains("model.geo:2: Gmsh runs what follows"),
+            "{early:?}"
+        );
+        for harmless in [
+            "a = 1;\nb = 2; c = 3;\n",
+            "a = 1;\nb = 2; // c = 3;",
+            "Include \"x\"; // y\n",
+        ] {
+            assert_eq!(warnings(harmless), [""; 0]);
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! - Cells are ordered by their tags, and an element of several physical surfaces is one cell.
 //! - Cells that run clockwise (a surface whose outline was drawn clockwise) are turned over: their
 //!   first corner stays the first.
-//! - Gmsh places the middle node of a straight side with an error of some 1e-12 of the model's size.
+//! - Gmsh places the middle node of a straight side with an error of some 1e-12 of the side's length.
 //!   Such nodes are put exactly between their ends. Nodes are never merged.
 
 use std::collections::BTreeMap;
@@ -13,7 +13,8 @@ use thiserror::Error;
 use super::extract::{Block, Extract, Group};
 use crate::mesh::{Cell, CellKind, Edge, Mesh};
 
-/// Distance within which a middle node counts as the midpoint, relative to the mesh's extent.
+/// Distance within which a middle node counts as the midpoint, relative to the mesh's extent: rounding
+/// errors grow with the coordinates, and a hundred times as much as seen is allowed for.
 const MIDPOINT_TOLERANCE: f64 = 2e-12;
 /// Distance within which a node counts as lying in the plane z = 0, relative to the mesh's extent.
 const PLANE_TOLERANCE: f64 = 1e-9;
@@ -210,7 +211,8 @@ impl Extract {
                 0.5 * ((xa - origin[0]) * (yb - origin[1]) - (xb - origin[0]) * (ya - origin[1]));
             longest = longest.max((xb - xa).hypot(yb - ya));
         }
-        if !(area.abs() > AREA_TOLERANCE * longest * longest) {
+        let has_area = area.abs() > AREA_TOLERANCE * longest * longest;
+        if !has_area {
             return None;
         }
         let mut nodes = nodes.to_vec();

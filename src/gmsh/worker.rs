@@ -106,7 +106,7 @@ fn serve() -> io::Result<()> {
     let mut line = String::new();
     io::stdin().lock().read_line(&mut line)?;
     let request: Request = serde_json::from_str(&line)?;
-    std::thread::spawn(exit_with_parent);
+    std::thread::spawn(|| exit_with_parent());
     let outcome = mesh(&request);
     let bytes = postcard::to_stdvec(&outcome).map_err(io::Error::other)?;
     let unfinished = request.outcome.with_extension("part");
@@ -114,11 +114,17 @@ fn serve() -> io::Result<()> {
     std::fs::rename(&unfinished, &request.outcome)
 }
 
-fn exit_with_parent() {
+fn exit_with_parent() -> ! {
     let mut rest = [0; 64];
     let mut input = io::stdin().lock();
-    while input.read(&mut rest).is_ok_and(|count| count > 0) {}
-    ffi::exit_now(1);
+    loop {
+        match input.read(&mut rest) {
+            Ok(0) => ffi::exit_now(1),
+            // A signal interrupts the waiting, and is no reason to end.
+            Err(error) if error.kind() != io::ErrorKind::Interrupted => ffi::exit_now(1),
+            _ => {}
+        }
+    }
 }
 
 fn mesh(request: &Request) -> Outcome {

@@ -1,1 +1,526 @@
-//! Gmsh `.geo` and `.msh` files to [`crate::mesh::Mesh`].
+//! From a `.geo` file to a mesh, by Gmsh.
+//!
+//! Gmsh is loaded at run time and runs in a child process of our own binary, one per mesh, because
+//! its state is global, an error poisons it, and it can crash or run away: all of that becomes a
+//! [`GmshError`] with Gmsh's log. The way of the data:
+//!
+//! ```text
+//! .geo, parameters ─ mesh() ─▶ child: worker ─ ffi ─▶ Extract ─ to_mesh() ─▶ Mesh
+//! ```
+//!
+//! - [`library`]: where the shared library is sought.
+//! - [`geo_script`]: which parameters a `.geo` offers, and which files it depends upon.
+//! - [`extract`]: the physical groups that Gmsh delivered, as they are cached.
+//! - [`to_mesh`]: the checks and the conversion to metres.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+pub mod extract;
+mod ffi;
+pub mod geo_script;
+pub mod library;
+pub mod to_mesh;
+mod worker;
+
+pub use extract::{Block, Extract, Group};
+pub use geo_script::{GeoScript, ScriptError};
+pub use to_mesh::ExtractError;
+pub use worker::{Message, worker_main};
+
+/// The hidden subcommand under which the binary runs [`worker_main`].
+pub const WORKER_COMMAND: &str = "mesh-worker";
+
+/// Extensions of the files that Gmsh has to mesh.
+const GEOMETRIES: [&str; 5] = ["geo", "geo_unrolled", "brep", "step", "stp"];
+/// How many of the log's last lines an error keeps.
+const LOG_LINES: usize = 20;
+/// How much of the log's end is read to find them [bytes].
+const LOG_TAIL: u64 = 64 * 1024;
+/// How often the worker is looked at.
+const POLL: Duration = Duration::from_millis(5);
+
+/// A value for a parameter of the geometry.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Value {
+    Number(f64),
+    Text(String),
+}
+
+impl From<f64> for Value {
+    fn from(number: f64) -> Value {
+        Value::Number(number)
+    }
+}
+
+impl From<&str> for Value {
+    fn from(text: &str) -> Value {
+        Value::Text(text.to_owned())
+    }
+}
+
+/// How Gmsh is run.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The executable that serves [`WORKER_COMMAND`]; None for the running one.
+    pub worker: Option<PathBuf>,
+    /// The library to use; None for the search of [`library::Places`].
+    pub library: Option<PathBuf>,
+    /// Time after which the worker is killed.
+    pub time_limit: Duration,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            worker: None,
+            library: None,
+            time_limit: Duration::from_secs(600),
+        }
+    }
+}
+
+/// Why there is no mesh.
+#[derive(Debug, Error)]
+pub enum GmshError {
+    #[error("the geometry file {} does not exist", .file.display())]
+    FileMissing { file: PathBuf },
+    #[error(
+        "{}: not a kind of file that Gmsh reads here; geometries: .{}; meshes: .msh",
+        .file.display(), GEOMETRIES.join(", .")
+    )]
+    FileKind { file: PathBuf },
+    #[error("the path {} is not UTF-8 text, which Gmsh needs", .file.display())]
+    PathNotText { file: PathBuf },
+    #[error(transparent)]
+    Script(#[from] ScriptError),
+    #[error("{} has no parameter '{name}'{}", .file.display(), unknown_hint(.nearest, .available))]
+    UnknownParameter {
+        file: PathBuf,
+        name: String,
+        nearest: Option<String>,
+        available: Vec<String>,
+    },
+    #[error(
+        "'{name}' in {} is defined by DefineNumber or DefineString, which Gmsh does not let be \
+         set; write DefineConstant[ {name} = {{...}} ]; instead",
+        .file.display()
+    )]
+    FixedParameter { file: PathBuf, name: String },
+    #[error("{} is not a script, so its parameter '{name}' cannot be set", .file.display())]
+    ParameterOfMesh { file: PathBuf, name: String },
+    #[error("parameter '{name}' of {} must be {expected}, not {given}", .file.display())]
+    ParameterValue {
+        file: PathBuf,
+        name: String,
+        expected: &'static str,
+        given: String,
+    },
+    #[error(
+        "Gmsh's library is not found. Run `make setup`, or install Gmsh (Debian: apt install \
+         gmsh), or set ${} to the path of libgmsh.so. Tried:{}",
+        library::VARIABLE, lines(.tried)
+    )]
+    LibraryNotFound { tried: Vec<String> },
+    #[error("Gmsh's library cannot be loaded:{}{}", attempts(.tried), load_hint(.tried))]
+    LibraryNotLoaded { tried: Vec<(PathBuf, String)> },
+    #[error("Gmsh fails on {}:{}", .geometry.display(), lines(.errors))]
+    Failed {
+        geometry: PathBuf,
+        errors: Vec<Message>,
+        /// The last lines of Gmsh's log.
+        log: Vec<String>,
+    },
+    #[error("Gmsh crashed on {} ({ending}); its last words:{}", .geometry.display(), lines(.log))]
+    Crashed {
+        geometry: PathBuf,
+        ending: String,
+        log: Vec<String>,
+    },
+    #[error(
+        "Gmsh had not finished {} after {} s and was stopped; is an element size far too small, \
+         or does a loop not end? Its last words:{}",
+        .geometry.display(), .limit.as_secs_f64(), lines(.log)
+    )]
+    TimeLimit {
+        geometry: PathBuf,
+        limit: Duration,
+        log: Vec<String>,
+    },
+    #[error("cannot run the mesh worker: {action}: {source}")]
+    Worker {
+        action: &'static str,
+        source: io::Error,
+    },
+}
+
+/// Meshes `geometry` in two dimensions (a `.msh` is taken as it is), with `parameters` in place of
+/// the defaults of its `DefineConstant`s.
+pub fn mesh(
+    geometry: &Path,
+    parameters: &BTreeMap<String, Value>,
+    options: &Options,
+) -> Result<Extract, GmshError> {
+    if !geometry.is_file() {
+        return Err(GmshError::FileMissing {
+            file: geometry.to_owned(),
+        });
+    }
+    let mesh_dimension = mesh_dimension(geometry)?;
+    let script = read_script(geometry)?;
+    check_parameters(geometry, script.as_ref(), parameters)?;
+    let libraries = libraries(options)?;
+    let folder = tempfile::tempdir().map_err(worker_error("create a temporary folder"))?;
+    let request = worker::Request {
+        geometry: absolute_text(geometry)?,
+        mesh_dimension,
+        arguments: arguments(parameters),
+        libraries,
+        outcome: folder.path().join("outcome"),
+    };
+    let log_file = folder.path().join("log");
+    let end = run_worker(&request, &log_file, options)?;
+    let log = last_lines(&log_file);
+    let mut extract = conclude(geometry, &request, end, log, options.time_limit)?;
+    extract
+        .warnings
+        .extend(script.into_iter().flat_map(|script| script.warnings));
+    Ok(extract)
+}
+
+/// What can be read of a `.geo` without running it; None for other files.
+fn read_script(file: &Path) -> Result<Option<GeoScript>, GmshError> {
+    if file.extension().is_none_or(|extension| extension != "geo") {
+        return Ok(None);
+    }
+    Ok(Some(GeoScript::scan(file)?))
+}
+
+/// How the worker ended.
+enum End {
+    Exit(ExitStatus),
+    TimeLimit,
+}
+
+fn conclude(
+    geometry: &Path,
+    request: &worker::Request,
+    end: End,
+    log: Vec<String>,
+    limit: Duration,
+) -> Result<Extract, GmshError> {
+    let geometry = geometry.to_owned();
+    match (worker::read_outcome(&request.outcome), end) {
+        (Some(worker::Outcome::Done(extract)), _) => Ok(extract),
+        (Some(worker::Outcome::NoLibrary(tried)), _) => Err(GmshError::LibraryNotLoaded { tried }),
+        (Some(worker::Outcome::Failed(mut errors)), _) => {
+            for error in &mut errors {
+                // The user's own name for the file reads better than its absolute path.
+                let file = error.file.as_deref();
+                if file == Some(Path::new(&request.geometry)) {
+                    error.file = Some(geometry.clone());
+                }
+            }
+            Err(GmshError::Failed {
+                geometry,
+                errors,
+                log,
+            })
+        }
+        (None, End::TimeLimit) => Err(GmshError::TimeLimit {
+            geometry,
+            limit,
+            log,
+        }),
+        (None, End::Exit(status)) => Err(GmshError::Crashed {
+            geometry,
+            ending: describe(status),
+            log,
+        }),
+    }
+}
+
+/// 2 for a geometry, None for what is a mesh already.
+fn mesh_dimension(file: &Path) -> Result<Option<i32>, GmshError> {
+    let extension = file.extension().and_then(|extension| extension.to_str());
+    match extension.map(str::to_ascii_lowercase).as_deref() {
+        Some("msh") => Ok(None),
+        Some(known) if GEOMETRIES.contains(&known) => Ok(Some(2)),
+        _ => Err(GmshError::FileKind {
+            file: file.to_owned(),
+        }),
+    }
+}
+
+fn check_parameters(
+    file: &Path,
+    script: Option<&GeoScript>,
+    parameters: &BTreeMap<String, Value>,
+) -> Result<(), GmshError> {
+    for (name, value) in parameters {
+        let Some(script) = script else {
+            return Err(GmshError::ParameterOfMesh {
+                file: file.to_owned(),
+                name: name.clone(),
+            });
+        };
+        check_parameter(file, script, name, value)?;
+    }
+    Ok(())
+}
+
+fn check_parameter(
+    file: &Path,
+    script: &GeoScript,
+    name: &str,
+    value: &Value,
+) -> Result<(), GmshError> {
+    let file = file.to_owned();
+    let Some(parameter) = script.parameters.get(name) else {
+        let name = name.to_owned();
+        if script.fixed.contains(&name) {
+            return Err(GmshError::FixedParameter { file, name });
+        }
+        return Err(GmshError::UnknownParameter {
+            file,
+            nearest: script.nearest(&name).map(str::to_owned),
+            available: script.parameters.keys().cloned().collect(),
+            name,
+        });
+    };
+    let (expected, given) = match (&parameter.default, value) {
+        (_, Value::Number(number)) if !number.is_finite() => ("finite", number.to_string()),
+        (geo_script::Default::Number(_), Value::Text(text)) => ("a number", format!("'{text}'")),
+        (geo_script::Default::Text(_), Value::Number(number)) => ("a text", number.to_string()),
+        _ => return Ok(()),
+    };
+    Err(GmshError::ParameterValue {
+        file,
+        name: name.to_owned(),
+        expected,
+        given,
+    })
+}
+
+/// Gmsh's command line. Only there do values override `DefineConstant`.
+fn arguments(parameters: &BTreeMap<String, Value>) -> Vec<String> {
+    let words = parameters.iter().flat_map(|(name, value)| match value {
+        Value::Number(number) => ["-setnumber".to_owned(), name.clone(), number.to_string()],
+        Value::Text(text) => ["-setstring".to_owned(), name.clone(), text.clone()],
+    });
+    words.collect()
+}
+
+/// The libraries to try, as absolute paths: the loader seeks a bare file name elsewhere.
+fn libraries(options: &Options) -> Result<Vec<PathBuf>, GmshError> {
+    let candidates = match &options.library {
+        Some(library) => vec![library.clone()],
+        None => {
+            let search = library::Places::of_this_process().search();
+            if search.found.is_empty() {
+                return Err(GmshError::LibraryNotFound {
+                    tried: search.tried,
+                });
+            }
+            search.found
+        }
+    };
+    let absolute = candidates.iter().map(std::path::absolute);
+    absolute
+        .collect::<io::Result<_>>()
+        .map_err(worker_error("find the current directory"))
+}
+
+fn absolute_text(file: &Path) -> Result<String, GmshError> {
+    let absolute = std::path::absolute(file).map_err(worker_error("find the current directory"))?;
+    absolute
+        .into_os_string()
+        .into_string()
+        .map_err(|file| GmshError::PathNotText {
+            file: PathBuf::from(file),
+        })
+}
+
+/// The running worker: killed if it is dropped before it has ended.
+struct Worker(Child);
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        // Both fail only if the worker has ended already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Runs the worker to its end. Its log goes to a file, not a pipe: a process that a script starts
+/// could hold a pipe open for ever.
+fn run_worker(
+    request: &worker::Request,
+    log_file: &Path,
+    options: &Options,
+) -> Result<End, GmshError> {
+    let executable = match &options.worker {
+        Some(executable) => executable.clone(),
+        None => std::env::current_exe().map_err(worker_error("find our own executable"))?,
+    };
+    let mut message = serde_json::to_vec(request)
+        .map_err(io::Error::from)
+        .map_err(worker_error("write the request"))?;
+    message.push(b'\n');
+    let log = File::create(log_file).map_err(worker_error("create the log"))?;
+    let errors = log.try_clone().map_err(worker_error("create the log"))?;
+    let mut worker = Command::new(executable)
+        .arg(WORKER_COMMAND)
+        .stdin(Stdio::piped())
+        .stdout(log)
+        .stderr(errors)
+        .spawn()
+        .map(Worker)
+        .map_err(worker_error("start it"))?;
+    let mut input = worker.0.stdin.take().expect("it was piped");
+    // A worker that cannot be written to has ended: its exit status says more.
+    let _ = input.write_all(&message);
+    let end = wait(&mut worker.0, options.time_limit).map_err(worker_error("wait for it"));
+    drop(input);
+    end
+}
+
+fn wait(worker: &mut Child, limit: Duration) -> io::Result<End> {
+    let start = Instant::now();
+    loop {
+        if let Some(status) = worker.try_wait()? {
+            return Ok(End::Exit(status));
+        }
+        if start.elapsed() >= limit {
+            return Ok(End::TimeLimit);
+        }
+        std::thread::sleep(POLL);
+    }
+}
+
+fn worker_error(action: &'static str) -> impl Fn(io::Error) -> GmshError {
+    move |source| GmshError::Worker { action, source }
+}
+
+/// The log's last lines; fewer, or none, if it cannot be read.
+fn last_lines(log: &Path) -> Vec<String> {
+    let mut bytes = Vec::new();
+    let read = File::open(log).and_then(|mut file| {
+        let length = file.metadata()?.len();
+        file.seek(SeekFrom::Start(length.saturating_sub(LOG_TAIL)))?;
+        file.read_to_end(&mut bytes)
+    });
+    if read.is_err() {
+        return Vec::new();
+    }
+    let text = String::from_utf8_lossy(&bytes);
+    let lines = text.split(['\n', '\r']).map(str::trim_end);
+    let lines: Vec<&str> = lines.filter(|line| !line.is_empty()).collect();
+    let first = lines.len().saturating_sub(LOG_LINES);
+    lines[first..]
+        .iter()
+        .map(|line| (*line).to_owned())
+        .collect()
+}
+
+fn describe(status: ExitStatus) -> String {
+    match (status.signal(), status.code()) {
+        (Some(6), _) => "signal 6, abort".to_owned(),
+        (Some(9), _) => "signal 9, killed: out of memory?".to_owned(),
+        (Some(11), _) => "signal 11, segmentation fault".to_owned(),
+        (Some(signal), _) => format!("signal {signal}"),
+        (None, code) => format!("exit code {}", code.unwrap_or_default()),
+    }
+}
+
+fn lines(items: &[impl std::fmt::Display]) -> String {
+    items.iter().map(|item| format!("\n  {item}")).collect()
+}
+
+fn attempts(tried: &[(PathBuf, String)]) -> String {
+    let line = |(library, reason): &(PathBuf, String)| {
+        let path = library.display().to_string();
+        let reason = reason.strip_prefix(&path).unwrap_or(reason);
+        format!("\n  {path}: {}", reason.trim_start_matches([':', ' ']))
+    };
+    tried.iter().map(line).collect()
+}
+
+fn load_hint(tried: &[(PathBuf, String)]) -> String {
+    let mut reasons = tried.iter();
+    let missing = reasons.find_map(|(path, reason)| library::missing_dependency(path, reason));
+    match missing {
+        Some(missing) => format!(
+            "\nThe system library {missing} is missing. On Debian: apt install {}",
+            library::DEBIAN_PACKAGES
+        ),
+        None => format!(
+            "\nRun `make setup`, or install Gmsh (Debian: apt install gmsh), or set ${} to the \
+             path of libgmsh.so",
+            library::VARIABLE
+        ),
+    }
+}
+
+fn unknown_hint(nearest: &Option<String>, available: &[String]) -> String {
+    let meant = nearest
+        .as_ref()
+        .map(|name| format!("; did you mean '{name}'?"));
+    let listed = match available {
+        [] => " It defines none: write DefineConstant[ name = {value} ]; in it".to_owned(),
+        names => format!(" It defines: {}", names.join(", ")),
+    };
+    meant.unwrap_or_else(|| ".".to_owned()) + &listed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_reach_gmsh_without_loss() {
+        let parameters = BTreeMap::from([
+            ("a".to_owned(), Value::Number(0.1 + 0.2)),
+            ("b".to_owned(), Value::from("two words")),
+        ]);
+        let words = arguments(&parameters);
+        assert_eq!(words[..2], ["-setnumber", "a"]);
+        assert_eq!(words[2].parse(), Ok(0.1 + 0.2));
+        assert_eq!(words[3..], ["-setstring", "b", "two words"]);
+    }
+
+    #[test]
+    fn missing_system_library_gives_the_packages() {
+        let reason = "libGLU.so.1: cannot open shared object file: No such file or directory";
+        let tried = vec![(PathBuf::from("/v/libgmsh.so.4.15"), reason.to_owned())];
+        let message = GmshError::LibraryNotLoaded { tried }.to_string();
+        for part in [
+            "/v/libgmsh.so.4.15: libGLU",
+            "library libGLU.so.1 is missing",
+            "libgl1",
+        ] {
+            assert!(message.contains(part), "{message}");
+        }
+    }
+
+    #[test]
+    fn only_the_last_lines_of_the_log_are_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let log = folder.path().join("log");
+        let text: String = (0..10_000).map(|i| format!("line {i}\r\n\n")).collect();
+        std::fs::write(&log, text).unwrap();
+        let lines = last_lines(&log);
+        assert_eq!(lines.len(), LOG_LINES);
+        assert_eq!(lines.last().map(String::as_str), Some("line 9999"));
+        assert!(last_lines(&folder.path().join("absent")).is_empty());
+    }
+}

@@ -1,0 +1,511 @@
+//! A light reading of a `.geo` file, without running it: which parameters it offers and which
+//! files it depends upon.
+//!
+//! A parameter is a variable of `DefineConstant[...]`, or one that the script tests with
+//! `Exists(...)`: those Gmsh lets the command line override (`-setnumber`, `-setstring`), under the
+//! variable's name, whatever its `Name "..."` attribute. Variables of `DefineNumber[...]` and
+//! `DefineString[...]` are not overridden (4.8: never; 4.15: only under the attribute's name).
+//!
+//! Two traps that Gmsh passes over in silence (4.8 and 4.15) are found here: of a last line without
+//! an end-of-line only the first statement is run, and what follows an `Include` on its line is run
+//! before the included file.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// A file of the script could not be read.
+#[derive(Debug, Error)]
+#[error("cannot read {}: {source}", .file.display())]
+pub struct ScriptError {
+    pub file: PathBuf,
+    pub source: io::Error,
+}
+
+/// The value that a parameter has unless it is set.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Default {
+    Number(f64),
+    Text(String),
+    /// An expression that only Gmsh can evaluate, as written.
+    Expression(String),
+    /// None is written.
+    Absent,
+}
+
+/// A variable that can be set from outside, and where it is defined.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    pub default: Default,
+    pub file: PathBuf,
+    /// Counted from 1.
+    pub line: usize,
+}
+
+/// What a `.geo` file, with all that it includes, offers and needs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GeoScript {
+    pub parameters: BTreeMap<String, Parameter>,
+    /// Variables of `DefineNumber` and `DefineString`, which cannot be set.
+    pub fixed: BTreeSet<String>,
+    /// The script and every existing file that it includes, merges or reads, sorted.
+    pub files: Vec<PathBuf>,
+    /// Lines that Gmsh runs otherwise than they read.
+    pub warnings: Vec<String>,
+}
+
+impl GeoScript {
+    /// Reads `file` and what it includes. Included files are sought beside the including one.
+    pub fn scan(file: &Path) -> Result<GeoScript, ScriptError> {
+        let mut script = GeoScript::default();
+        let mut seen = BTreeSet::new();
+        let mut pending = vec![file.to_owned()];
+        while let Some(file) = pending.pop() {
+            let identity = file.canonicalize().unwrap_or_else(|_| file.clone());
+            if !seen.insert(identity) {
+                continue;
+            }
+            if is_script(&file) {
+                let text = std::fs::read(&file).map_err(|source| ScriptError {
+                    file: file.clone(),
+                    source,
+                })?;
+                let text = Text::new(&String::from_utf8_lossy(&text));
+                script.add_parameters(&file, &text);
+                script.add_warnings(&file, &text);
+                pending.extend(named_files(&file, &text));
+            }
+            script.files.push(file);
+        }
+        script.files.sort();
+        Ok(script)
+    }
+
+    /// The parameter whose name is most like `name`, if any is like it at all.
+    pub fn nearest(&self, name: &str) -> Option<&str> {
+        let close = |known: &&String| strsim::jaro_winkler(name, known) > 0.75;
+        let likeness = |known: &&String| strsim::jaro_winkler(name, known);
+        self.parameters
+            .keys()
+            .filter(close)
+            .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
+            .map(String::as_str)
+    }
+
+    fn add_parameters(&mut self, file: &Path, text: &Text) {
+        for at in text.words("DefineConstant") {
+            let Some(body) = text.bracketed(at.end) else {
+                continue;
+            };
+            for item in text.split(body, b',') {
+                self.add_parameter(file, text, item);
+            }
+        }
+        for at in text.words("Exists") {
+            if let Some(body) = text.bracketed(at.end) {
+                let name = text.code[body].trim();
+                self.define(name, Default::Absent, file, text.line(at.start));
+            }
+        }
+        for word in ["DefineNumber", "DefineString"] {
+            let starts = text.words(word).map(|at| at.start);
+            self.fixed.extend(starts.filter_map(|at| text.assigned(at)));
+        }
+    }
+
+    fn add_warnings(&mut self, file: &Path, text: &Text) {
+        let mut warn = |at: usize, what: &str| {
+            let (file, line) = (file.display(), text.line(at));
+            self.warnings.push(format!("{file}:{line}: {what}"));
+        };
+        let last = text.code.rfind('\n').map_or(0, |newline| newline + 1);
+        if text.code[last..].matches(';').count() > 1 {
+            warn(
+                last,
+                "the file does not end with an end-of-line, so Gmsh runs only the first \
+                 statement of its last line; add one",
+            );
+        }
+        for at in text.words("Include") {
+            let rest = text.code[at.end..].lines().next().unwrap_or_default();
+            let behind = rest.split_once(';').map_or("", |(_, behind)| behind.trim());
+            if !behind.is_empty() {
+                warn(
+                    at.start,
+                    "Gmsh runs what follows an Include on the same line before the included \
+                     file; put it on a line of its own",
+                );
+            }
+        }
+    }
+
+    /// Adds `name = value`, `name = {value, attributes}` or a bare `name`.
+    fn add_parameter(&mut self, file: &Path, text: &Text, item: Range<usize>) {
+        let line = text.line(item.start + leading_blanks(&text.code[item.clone()]));
+        let equals = text.code[item.clone()].find('=').map(|at| item.start + at);
+        let Some(equals) = equals else {
+            return self.define(text.code[item].trim(), Default::Absent, file, line);
+        };
+        let name = text.code[item.start..equals].trim();
+        let mut value = equals + 1..item.end;
+        if let Some(inner) = text.bracketed(value.start) {
+            value = text.split(inner, b',').next().unwrap_or(0..0);
+        }
+        self.define(name, text.default(value), file, line);
+    }
+
+    fn define(&mut self, name: &str, default: Default, file: &Path, line: usize) {
+        let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        if name.is_empty() || !name.chars().all(is_name) {
+            return;
+        }
+        let parameter = Parameter {
+            default,
+            file: file.to_owned(),
+            line,
+        };
+        let known = self.parameters.get(name);
+        if known.is_none_or(|known| known.default == Default::Absent) {
+            self.parameters.insert(name.to_owned(), parameter);
+        }
+    }
+}
+
+/// The text of a script, and a twin of equal length in which comments and the contents of strings
+/// are blank: syntax is sought in the twin, strings are read from the text.
+struct Text {
+    text: String,
+    code: String,
+}
+
+impl Text {
+    fn new(text: &str) -> Text {
+        let mut code = Vec::with_capacity(text.len());
+        let bytes = text.as_bytes();
+        let mut at = 0;
+        while at < bytes.len() {
+            let rest = &bytes[at..];
+            let (length, visible) = match rest {
+                [b'/', b'/', ..] => (until(rest, b"\n"), 0),
+                [b'/', b'*', ..] => (2 + until(&rest[2..], b"*/") + 2, 0),
+                [quote @ (b'"' | b'\''), ..] => (1 + until_quote(&rest[1..], *quote) + 1, 1),
+                _ => (1, 1),
+            };
+            let token = &rest[..length.min(rest.len())];
+            code.extend(token.iter().enumerate().map(|(i, &byte)| {
+                let delimiter = visible == 1 && (i == 0 || i + 1 == token.len());
+                let keep = byte == b'\n' || (delimiter && byte.is_ascii());
+                if keep { byte } else { b' ' }
+            }));
+            at += token.len();
+        }
+        Text {
+            text: text.to_owned(),
+            code: String::from_utf8(code).expect("only ASCII bytes are kept, others are blanks"),
+        }
+    }
+
+    /// Where a keyword stands as a word of its own.
+    fn words<'a>(&'a self, word: &'a str) -> impl Iterator<Item = Range<usize>> + 'a {
+        let part = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
+        let code = self.code.as_bytes();
+        let found = self.code.match_indices(word);
+        found
+            .map(|(start, word)| start..start + word.len())
+            .filter(move |at| {
+                let before = at.start.checked_sub(1).map(|i| &code[i]);
+                !before.is_some_and(part) && !code.get(at.end).is_some_and(part)
+            })
+    }
+
+    /// The inside of the bracket that opens at `from`, blanks skipped.
+    fn bracketed(&self, from: usize) -> Option<Range<usize>> {
+        let code = self.code.as_bytes();
+        let open = from + leading_blanks(&self.code[from..]);
+        if !matches!(code.get(open), Some(b'[' | b'(' | b'{')) {
+            return None;
+        }
+        let mut depth = 0;
+        for (at, byte) in code.iter().enumerate().skip(open) {
+            depth += nesting(*byte);
+            if depth == 0 {
+                return Some(open + 1..at);
+            }
+        }
+        None
+    }
+
+    /// The pieces of a range between separators that stand in no inner bracket.
+    fn split(&self, range: Range<usize>, separator: u8) -> impl Iterator<Item = Range<usize>> {
+        let mut pieces = Vec::new();
+        let (mut start, mut depth) = (range.start, 0);
+        for at in range.clone() {
+            let byte = self.code.as_bytes()[at];
+            depth += nesting(byte);
+            if depth == 0 && byte == separator {
+                pieces.push(start..at);
+                start = at + 1;
+            }
+        }
+        pieces.push(start..range.end);
+        pieces.into_iter()
+    }
+
+    /// The variable to which what stands at `at` is assigned.
+    fn assigned(&self, at: usize) -> Option<String> {
+        let before = self.code[..at].trim_end().strip_suffix('=')?;
+        let name = before
+            .trim_end()
+            .rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+        name.take(1)
+            .find(|name| !name.is_empty())
+            .map(str::to_owned)
+    }
+
+    /// The contents of the strings within a range.
+    fn strings(&self, range: Range<usize>) -> Vec<&str> {
+        let code = self.code[range.clone()].bytes().enumerate();
+        let quotes = code.filter(|(_, byte)| matches!(byte, b'"' | b'\''));
+        let quotes: Vec<usize> = quotes.map(|(at, _)| range.start + at).collect();
+        let pairs = quotes.chunks_exact(2);
+        pairs.map(|pair| &self.text[pair[0] + 1..pair[1]]).collect()
+    }
+
+    fn default(&self, value: Range<usize>) -> Default {
+        let written = self.text[value.clone()].trim();
+        if let Ok(number) = self.code[value.clone()].trim().parse() {
+            return Default::Number(number);
+        }
+        match self.strings(value.clone()).as_slice() {
+            [] if written.is_empty() => Default::Absent,
+            [text] if self.code[value].trim().starts_with(['"', '\'']) => {
+                Default::Text((*text).to_owned())
+            }
+            _ => Default::Expression(written.to_owned()),
+        }
+    }
+
+    /// The line of a position, counted from 1.
+    fn line(&self, at: usize) -> usize {
+        1 + self.code[..at].matches('\n').count()
+    }
+}
+
+/// The existing files that a script names in the commands that read files, and the options file
+/// that Gmsh reads unasked (`x.geo.opt` for `x.geo`).
+fn named_files(file: &Path, text: &Text) -> Vec<PathBuf> {
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let mut options = file.as_os_str().to_owned();
+    options.push(".opt");
+    let mut files = vec![PathBuf::from(options)];
+    for command in ["Include", "Merge", "ShapeFromFile", "FileName"] {
+        for at in text.words(command) {
+            let length = text.code[at.end..].find(';');
+            let end = length.map_or(text.code.len(), |length| at.end + length);
+            files.extend(
+                text.strings(at.end..end)
+                    .iter()
+                    .map(|name| folder.join(name)),
+            );
+        }
+    }
+    files.retain(|file| file.is_file());
+    files
+}
+
+/// Whether Gmsh reads the file as a script: by its extension, and without one too.
+fn is_script(file: &Path) -> bool {
+    match file.extension() {
+        Some(extension) => ["geo", "geo_unrolled", "opt"]
+            .iter()
+            .any(|known| extension == *known),
+        None => true,
+    }
+}
+
+fn nesting(byte: u8) -> i32 {
+    match byte {
+        b'[' | b'(' | b'{' => 1,
+        b']' | b')' | b'}' => -1,
+        _ => 0,
+    }
+}
+
+fn leading_blanks(text: &str) -> usize {
+    text.len() - text.trim_start().len()
+}
+
+/// The number of bytes before `end`, or all.
+fn until(bytes: &[u8], end: &[u8]) -> usize {
+    let found = bytes.windows(end.len()).position(|window| window == end);
+    found.unwrap_or(bytes.len())
+}
+
+/// The number of bytes before the closing quote, or all; a backslash hides the byte behind it.
+fn until_quote(bytes: &[u8], quote: u8) -> usize {
+    let mut at = 0;
+    while at < bytes.len() && bytes[at] != quote {
+        at += if bytes[at] == b'\\' { 2 } else { 1 };
+    }
+    at.min(bytes.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn scan(text: &str) -> GeoScript {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("model.geo");
+        fs::write(&file, text).unwrap();
+        GeoScript::scan(&file).unwrap()
+    }
+
+    fn names(script: &GeoScript) -> Vec<&str> {
+        script.parameters.keys().map(String::as_str).collect()
+    }
+
+    #[test]
+    fn constants_and_their_defaults() {
+        let script = scan(
+            r#"
+            DefineConstant[ a = 1.5e-3, b = {2, Min 0, Max 10, Name "Parameters/b, with comma"} ];
+            DefineConstant [
+              c = "text",
+              d = {"in } attributes", Choices{"x", "y"}, Name "d"}, // e = 5
+              f,
+              g = 2*a,
+              /* h = 7, */ i = {-3}
+            ];"#,
+        );
+        let default = |name: &str| script.parameters[name].default.clone();
+        assert_eq!(names(&script), ["a", "b", "c", "d", "f", "g", "i"]);
+        assert_eq!(default("a"), Default::Number(1.5e-3));
+        assert_eq!(default("b"), Default::Number(2.0));
+        assert_eq!(default("c"), Default::Text("text".into()));
+        assert_eq!(default("d"), Default::Text("in } attributes".into()));
+        assert_eq!(default("f"), Default::Absent);
+        assert_eq!(default("g"), Default::Expression("2*a".into()));
+        assert_eq!(default("i"), Default::Number(-3.0));
+        assert_eq!(script.parameters["a"].line, 2);
+        assert_eq!(script.parameters["d"].line, 5);
+    }
+
+    #[test]
+    fn comments_and_strings_define_nothing() {
+        let script = scan(
+            "// DefineConstant[ a = 1 ];\n/* DefineConstant[ b = 1 ]; */\n\
+             Printf(\"DefineConstant[ c = 1 ]; // é\"); MyDefineConstant[ d = 1 ];\n\
+             DefineConstant[ e = 1 ];",
+        );
+        assert_eq!(names(&script), ["e"]);
+        assert_eq!(script.parameters["e"].line, 4);
+    }
+
+    #[test]
+    fn tested_variables_are_parameters_and_defined_numbers_are_not() {
+        let script = scan(
+            "If(!Exists(q)) q = 9; EndIf\nh = DefineNumber[ 3, Name \"Parameters/h\" ];\n\
+             s = DefineString[ \"x\", Name \"Parameters/s\" ];",
+        );
+        assert_eq!(names(&script), ["q"]);
+        assert_eq!(script.parameters["q"].default, Default::Absent);
+        assert_eq!(
+            script.fixed,
+            BTreeSet::from(["h".to_owned(), "s".to_owned()])
+        );
+    }
+
+    #[test]
+    fn unfinished_scripts_do_not_panic() {
+        let whole = "DefineConstant[ a = {1, Name \"x\\\"\"}, b = 'y' ]; /* é */ Merge \"z\"; // e";
+        for (end, _) in whole.char_indices() {
+            scan(&whole[..end]);
+        }
+        scan("DefineConstant[ = ]; DefineConstant[]; DefineConstant[ a = {} ]; Exists() ]]]");
+    }
+
+    #[test]
+    fn included_files_are_followed_and_cycles_end() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(&path, text).unwrap();
+            path
+        };
+        let main = write(
+            "main.geo",
+            "Include \"parts/common.geo\"; Merge StrCat(CurrentDirectory, \"shape.step\");\n\
+             // Include \"unused.geo\";\nMerge \"absent.geo\"; Field[1].FileName = \"size.pos\";\n\
+             Save \"out.msh\";",
+        );
+        let common = write(
+            "parts/common.geo",
+            "DefineConstant[ depth = 4 ]; Include \"../main.geo\"; Include \"more.geo\";",
+        );
+        let more = write("parts/more.geo", "DefineConstant[ more = 1 ];");
+        let shape = write("shape.step", "DefineConstant[ no = 1 ];");
+        let size = write("size.pos", "");
+        let options = write("main.geo.opt", "Mesh.ElementOrder = 2;");
+        write("unused.geo", "DefineConstant[ unused = 1 ];");
+        write("out.msh", "");
+        let script = GeoScript::scan(&main).unwrap();
+        assert_eq!(names(&script), ["depth", "more"]);
+        assert_eq!(script.parameters["depth"].file, common);
+        let found: BTreeSet<PathBuf> = script
+            .files
+            .iter()
+            .map(|file| file.canonicalize().unwrap())
+            .collect();
+        let expected = [main, common, more, shape, size, options];
+        let expected: BTreeSet<PathBuf> = expected
+            .iter()
+            .map(|file| file.canonicalize().unwrap())
+            .collect();
+        assert_eq!(found, expected);
+        assert_eq!(script.files.len(), 6);
+    }
+
+    #[test]
+    fn nearest_parameter_is_suggested() {
+        let script = scan("DefineConstant[ element = 10, band_start = 400, band_end = 600 ];");
+        assert_eq!(script.nearest("elment"), Some("element"));
+        assert_eq!(script.nearest("band_strat"), Some("band_start"));
+        assert_eq!(script.nearest("xyz"), None);
+    }
+
+    #[test]
+    fn silent_traps_are_warned_of() {
+        let warnings = |text: &str| scan(text).warnings;
+        let lost = warnings("a = 1;\nb = 2; c = 3;");
+        assert_eq!(lost.len(), 1);
+        assert!(
+            lost[0].contains("model.geo:2: the file does not end"),
+            "{lost:?}"
+        );
+        let early = warnings("a = 1;\n Include \"x.geo\"; b = 2;\n");
+        assert_eq!(early.len(), 1);
+        assert!(
+            early[0].contains("model.geo:2: Gmsh runs what follows"),
+            "{early:?}"
+        );
+        for harmless in [
+            "a = 1;\nb = 2; c = 3;\n",
+            "a = 1;\nb = 2; // c = 3;",
+            "Include \"x\"; // y\n",
+        ] {
+            assert_eq!(warnings(harmless), [""; 0]);
+        }
+    }
+
+    #[test]
+    fn missing_file_is_named() {
+        let error = GeoScript::scan(Path::new("nowhere/x.geo")).unwrap_err();
+        assert!(error.to_string().contains("nowhere/x.geo"));
+    }
+}

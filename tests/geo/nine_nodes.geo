@@ -1,0 +1,3 @@
+// Second-order quads with a middle node, Gmsh's default.
+Include "square.geo";
+Mesh.ElementOrder = 2;

@@ -16,6 +16,19 @@ pub struct Phases {
 }
 
 impl Phases {
+    /// The phases of [`crate::statics::solve`].
+    pub const STATICS: [&'static str; 9] = [
+        "support",
+        "elements",
+        "pattern",
+        "assembly",
+        "supports",
+        "ordering",
+        "symbolic",
+        "factorisation",
+        "solution",
+    ];
+
     /// Runs `work` and records how long it takes.
     pub fn measure<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
         let start = Instant::now();

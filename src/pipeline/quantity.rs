@@ -26,6 +26,12 @@ impl Dimension {
         Dimension { exponents: std::array::from_fn(|k| a[k] + power * b[k]) }
     }
 
+    /// In base units, such as `m^-1 kg^1 s^-2`.
+    pub fn symbol(self) -> String {
+        let [m, kg, s] = self.exponents;
+        format!("m^{m} kg^{kg} s^{s}")
+    }
+
     /// What this is called, and a unit that measures it.
     pub fn describe(self) -> String {
         let known = [
@@ -41,10 +47,7 @@ impl Dimension {
         ];
         match known.iter().find(|(dimension, _)| *dimension == self) {
             Some((_, name)) => (*name).to_owned(),
-            None => {
-                let [m, kg, s] = self.exponents;
-                format!("a quantity of m^{m} kg^{kg} s^{s}")
-            }
+            None => format!("a quantity of {}", self.symbol()),
         }
     }
 }

@@ -1,0 +1,332 @@
+//! What a run leaves in `results/NAME/`: VTU parts and their PVD, pictures, `summary.json`.
+
+use super::plan::{Plan, Probe};
+use super::spec::OutputField;
+use crate::boundary::Boundary;
+use crate::fem::element::MappedPoint;
+use crate::fields::{NodalFields, stretches};
+use crate::model::{Method, Model};
+use crate::output::field::{Field, FieldName};
+use crate::output::picture::{
+    self, Dot, FieldPicture, Filling, MeshPicture, Patch, PictureError, Square,
+};
+use crate::output::pvd::{self, PvdError};
+use crate::output::vtu::{Part, PartCell, VtuError};
+use crate::phases::Phases;
+use crate::statics::{Solution, group_reactions};
+use serde_json::{Value, json};
+use std::path::Path;
+use thiserror::Error;
+
+#[derive(Debug, Error)]
+pub enum ResultsError {
+    #[error(transparent)]
+    Vtu(#[from] VtuError),
+    #[error(transparent)]
+    Pvd(#[from] PvdError),
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    #[error(transparent)]
+    Write(#[from] crate::output::WriteError),
+}
+
+/// All that the results are made of.
+pub struct Outcome<'a> {
+    pub plan: &'a Plan,
+    pub model: &'a Model,
+    pub boundary: &'a Boundary,
+    pub solution: &'a Solution,
+    pub gmsh_version: &'a str,
+}
+
+impl Outcome<'_> {
+    /// Writes everything but the summary into `folder` and returns the files' names.
+    ///
+    /// # Errors
+    /// See [`ResultsError`].
+    pub fn write(&self, folder: &Path, phases: &mut Phases) -> Result<Vec<String>, ResultsError> {
+        let mut files = phases.measure("vtu", || self.write_parts(folder))?;
+        if self.plan.output.pictures {
+            files.extend(phases.measure("pictures", || self.write_pictures(folder))?);
+        }
+        Ok(files)
+    }
+
+    fn write_parts(&self, folder: &Path) -> Result<Vec<String>, ResultsError> {
+        let name = &self.plan.name;
+        let mut parts = Vec::new();
+        if !self.model.elements.is_empty() {
+            parts.push(("finite elements", format!("{name}_elements.vtu"), self.element_part()));
+        }
+        if !self.model.areas.is_empty() {
+            parts.push(("material points", format!("{name}_points.vtu"), self.point_part()));
+        }
+        if self.plan.output.bonds && !self.model.springs.is_empty() {
+            parts.push(("bonds", format!("{name}_bonds.vtu"), self.bond_part()));
+        }
+        let mut entries = Vec::new();
+        for (index, (title, file, part)) in parts.iter().enumerate() {
+            part.write(&folder.join(file))?;
+            entries.push(pvd::Entry {
+                time: 0.0,
+                part: index,
+                name: (*title).to_owned(),
+                file: file.clone(),
+            });
+        }
+        let series = format!("{name}.pvd");
+        pvd::write(&folder.join(&series), &entries)?;
+        Ok(parts.into_iter().map(|(_, file, _)| file).chain([series]).collect())
+    }
+
+    fn wants(&self, field: OutputField) -> bool {
+        self.plan.output.fields.contains(&field)
+    }
+
+    /// Finite elements: a point per node, and one more where materials meet.
+    fn element_part(&self) -> Part {
+        let model = self.model;
+        let nodal = NodalFields::new(model, &self.solution.displacement);
+        let at = |values: &[[f64; 2]]| nodal.nodes.iter().map(|&n| values[n as usize]).collect();
+        let mut part = Part::new(at(&model.positions));
+        for (element, copies) in nodal.element_copies.iter().enumerate() {
+            part.push_cell(PartCell::Surface(model.cell(element).kind), copies);
+        }
+        if self.wants(OutputField::Displacement) {
+            part.point_data.push(Field::vector(FieldName::Displacement, at(&self.solution.displacement)));
+        }
+        let (stress, strain) = (nodal.stress, nodal.strain);
+        if self.wants(OutputField::Stress) {
+            part.point_data.push(Field::symmetric_tensor(FieldName::Stress, stress));
+        }
+        if self.wants(OutputField::Strain) {
+            part.point_data.push(Field::symmetric_tensor(FieldName::Strain, strain));
+        }
+        let region = |&(region, _): &(usize, usize)| region;
+        part.cell_data.extend(self.region_fields(model.elements.iter().map(region)));
+        part
+    }
+
+    fn point_part(&self) -> Part {
+        let model = self.model;
+        let first = model.fe_node_count();
+        let mut part = Part::of_vertices(model.positions[first..].to_vec());
+        if self.wants(OutputField::Displacement) {
+            let u = self.solution.displacement[first..].to_vec();
+            part.point_data.push(Field::vector(FieldName::Displacement, u));
+        }
+        let volumes = model.areas.iter().map(|a| a * model.settings.thickness).collect();
+        part.point_data.push(Field::scalar(FieldName::Area, model.areas.clone()));
+        part.point_data.push(Field::scalar(FieldName::Volume, volumes));
+        let regions = model.points.iter().flat_map(|p| p.nodes.clone().map(|_| p.region));
+        part.cell_data.extend(self.region_fields(regions));
+        part
+    }
+
+    /// Bonds and trusses with stiffness.
+    fn bond_part(&self) -> Part {
+        let model = self.model;
+        let stiff: Vec<usize> =
+            (0..model.springs.len()).filter(|&s| model.springs.stiffness[s] != 0.0).collect();
+        let ends: Vec<[usize; 2]> =
+            stiff.iter().map(|&s| model.springs.ends[s].map(|n| n as usize)).collect();
+        let mut part = Part::of_lines(model.positions.clone(), &ends);
+        if self.wants(OutputField::Displacement) {
+            let u = self.solution.displacement.clone();
+            part.point_data.push(Field::vector(FieldName::Displacement, u));
+        }
+        let all = stretches(model, &self.solution.displacement);
+        let of_stiff = |values: &[f64]| stiff.iter().map(|&s| values[s]).collect();
+        let is_truss = stiff.iter().map(|&s| i32::from(s >= model.bond_count)).collect();
+        part.cell_data = vec![
+            Field::scalar(FieldName::Stretch, of_stiff(&all)),
+            Field::scalar(FieldName::Stiffness, of_stiff(&model.springs.stiffness)),
+            Field::integer(FieldName::Truss, is_truss),
+        ];
+        part
+    }
+
+    fn region_fields(&self, regions: impl Iterator<Item = usize>) -> [Field; 2] {
+        let regions: Vec<usize> = regions.collect();
+        let names: Vec<&String> = self.plan.spec.materials.keys().collect();
+        let material = |&region: &usize| {
+            let name = &self.plan.regions[region].material_name;
+            names.iter().position(|n| *n == name).map_or(-1, |index| index as i32)
+        };
+        let materials = regions.iter().map(material).collect();
+        [
+            Field::integer(FieldName::Region, regions.iter().map(|&r| r as i32).collect()),
+            Field::integer(FieldName::Material, materials),
+        ]
+    }
+
+    fn write_pictures(&self, folder: &Path) -> Result<Vec<String>, ResultsError> {
+        self.mesh_picture().draw()?.write(&folder.join("mesh.png"))?;
+        let mut files = vec!["mesh.png".to_owned()];
+        for (axis, file) in [(0, "displacement_x.png"), (1, "displacement_y.png")] {
+            self.displacement_picture(axis).draw()?.write(&folder.join(file))?;
+            files.push(file.to_owned());
+        }
+        Ok(files)
+    }
+
+    fn mesh_picture(&self) -> MeshPicture {
+        let model = self.model;
+        let region = |(index, region): (usize, &crate::model::Region)| {
+            let points = model.points.iter().find(|p| p.region == index);
+            let (name, filling, count) = match points {
+                Some(points) => ("peridynamics", Filling::Points, points.nodes.len()),
+                None => ("finite elements", Filling::Cells, region.cells.len()),
+            };
+            picture::Region { name: region.name.clone(), model: name.to_owned(), filling, count }
+        };
+        let patch = |&(region, cell): &(usize, usize)| Patch {
+            outline: picture::outline(&model.mesh.cells[cell], |n| model.mesh.nodes[n]),
+            region,
+        };
+        let edges = model.interfaces.iter().flat_map(|interface| &interface.edges);
+        MeshPicture {
+            title: format!("{}: mesh and regions", self.plan.name),
+            regions: model.regions.iter().enumerate().map(region).collect(),
+            cells: model.elements.iter().map(patch).collect(),
+            points: self.dots(),
+            interfaces: edges.map(|e| picture::edge_path(e, |n| model.mesh.nodes[n])).collect(),
+            cracks: Vec::new(),
+        }
+    }
+
+    fn dots(&self) -> Vec<Dot> {
+        let points = self.model.points.iter();
+        let dot = |(node, side, region): (usize, f64, usize)| Dot {
+            centre: self.model.positions[node],
+            side,
+            region,
+        };
+        points
+            .flat_map(|p| p.nodes.clone().map(|n| (n, p.micromodulus.spacing, p.region)))
+            .map(dot)
+            .collect()
+    }
+
+    /// u_x or u_y on the deformed shape.
+    fn displacement_picture(&self, axis: usize) -> FieldPicture {
+        let model = self.model;
+        let u = &self.solution.displacement;
+        let scale = picture::deformation_scale(u, self.extent());
+        let moved = |node: usize| [0, 1].map(|k| model.positions[node][k] + scale * u[node][k]);
+        let mut facets = Vec::new();
+        for element in 0..model.elements.len() {
+            let kind = model.cell(element).kind;
+            let nodes: Vec<usize> =
+                model.element_nodes(element).into_iter().map(|n| n as usize).collect();
+            let shape: Vec<[f64; 2]> = nodes.iter().map(|&n| moved(n)).collect();
+            let divisions = if kind.is_quadratic() { 4 } else { 1 };
+            facets.extend(picture::facets(kind, divisions, |at| {
+                let point = MappedPoint::new(kind, &shape, at);
+                let value = nodes.iter().zip(point.value).map(|(&n, shape)| shape * u[n][axis]).sum();
+                (point.position, value)
+            }));
+        }
+        let squares = self.dots().into_iter().zip(model.fe_node_count()..);
+        let squares = squares.map(|(dot, node)| Square {
+            centre: moved(node),
+            side: dot.side,
+            value: u[node][axis],
+        });
+        let edges = model.interfaces.iter().flat_map(|interface| &interface.edges);
+        let line = |n: usize| moved(model.node_of[n].expect("interfaces have element nodes") as usize);
+        FieldPicture {
+            title: format!("{}: displacement u_{}", self.plan.name, ['x', 'y'][axis]),
+            quantity: format!("u_{}", ['x', 'y'][axis]),
+            unit: "m".to_owned(),
+            deformation_scale: Some(scale),
+            facets,
+            squares: squares.collect(),
+            lines: edges.map(|edge| picture::edge_path(edge, line)).collect(),
+        }
+    }
+
+    /// The body's larger side [m].
+    fn extent(&self) -> f64 {
+        let side = |axis: usize| {
+            let along = self.model.positions.iter().map(|x| x[axis]);
+            let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+                (low.min(x), high.max(x))
+            });
+            high - low
+        };
+        side(0).max(side(1))
+    }
+
+    /// `summary.json`.
+    pub fn summary(&self, files: &[String], phases: &Phases, peak_memory: Option<u64>) -> Value {
+        let model = self.model;
+        let count = |method: fn(&Method) -> bool| {
+            model.regions.iter().filter(|r| method(&r.method)).map(|r| r.cells.len()).sum::<usize>()
+        };
+        json!({
+            "name": self.plan.name,
+            "pipeline": self.plan.source.path.display().to_string(),
+            "outcome": "solved",
+            "versions": { "peristitch": env!("CARGO_PKG_VERSION"), "gmsh": self.gmsh_version },
+            "sizes": {
+                "finite_elements": count(|m| *m == Method::FiniteElements),
+                "finite_element_nodes": model.fe_node_count(),
+                "material_points": model.areas.len(),
+                "bonds": model.bond_count,
+                "trusses": model.springs.len() - model.bond_count,
+                "dofs": self.solution.size.dofs,
+                "stiffness_entries": self.solution.size.stiffness_entries,
+                "factor_entries": self.solution.size.factor_entries,
+            },
+            "lattices": model.points.iter().map(|p| self.lattice_summary(p)).collect::<Vec<_>>(),
+            "interfaces": model.interfaces.iter().map(|i| json!({
+                "finite_elements": model.regions[i.finite_elements].name,
+                "peridynamics": model.regions[i.peridynamics].name,
+                "edges": i.edges.len(),
+                "length_m": i.edges.iter().map(|e| model.edge_length(e)).sum::<f64>(),
+            })).collect::<Vec<_>>(),
+            "probes": self.plan.probes.iter().map(|p| self.probe(p)).collect::<Vec<_>>(),
+            "reactions_n": group_reactions(self.boundary, self.solution),
+            "residual": self.solution.residual,
+            "phases": phases.list.iter().map(|phase| json!({
+                "phase": phase.name,
+                "seconds": phase.time.as_secs_f64(),
+                "share": phase.time.as_secs_f64() / phases.total().as_secs_f64(),
+            })).collect::<Vec<_>>(),
+            "seconds": phases.total().as_secs_f64(),
+            "peak_memory_bytes": peak_memory,
+            "files": files,
+        })
+    }
+
+    fn lattice_summary(&self, points: &crate::model::PointRegion) -> Value {
+        let first = self.model.fe_node_count();
+        let areas = &self.model.areas[points.nodes.start - first..points.nodes.end - first];
+        json!({
+            "region": self.model.regions[points.region].name,
+            "points": points.nodes.len(),
+            "spacing_m": points.micromodulus.spacing,
+            "horizon_m": points.micromodulus.horizon,
+            "points_area_m2": areas.iter().sum::<f64>(),
+            "region_area_m2": points.area,
+        })
+    }
+
+    fn probe(&self, probe: &Probe) -> Value {
+        let positions = &self.model.positions;
+        let distance = |n: usize| (positions[n][0] - probe.at[0]).hypot(positions[n][1] - probe.at[1]);
+        let node = (0..positions.len())
+            .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+            .expect("a model has nodes");
+        let value = self.solution.displacement[node][probe.axis];
+        json!({
+            "name": probe.name,
+            "component": ["x", "y"][probe.axis],
+            "at_m": positions[node],
+            "displacement_m": value,
+            "reference_m": probe.reference,
+            "error": probe.reference.map(|reference| value / reference - 1.0),
+        })
+    }
+}

@@ -100,7 +100,7 @@ impl Edge {
 /// Nodes, cells and the physical groups that name parts of them.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
-    /// Node positions [m].
+    /// Node positions \[m\].
     pub nodes: Vec<[f64; 2]>,
     pub cells: Vec<Cell>,
     /// Physical surfaces: indices into `cells`, ascending.

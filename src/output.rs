@@ -3,7 +3,9 @@
 //! The layer takes plain data in SI units and knows no mechanics. Every file appears under its
 //! name only when it is complete.
 
+pub mod colour;
 pub mod field;
+pub mod picture;
 pub mod pvd;
 pub mod vtu;
 

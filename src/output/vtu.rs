@@ -14,8 +14,8 @@ use vtkio::model::{
 };
 use vtkio::xml::Compressor;
 
-/// Fastest zlib level: the levels above cost up to ten times the time for some per cent of size.
-const COMPRESSION_LEVEL: u32 = 1;
+/// Level 1 is a fifth faster but its files are an eighth larger; from 3 on they hardly shrink.
+const COMPRESSION_LEVEL: u32 = 2;
 
 /// What a cell of a [`Part`] is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,0 +1,359 @@
+//! A scalar field over cells and material points, with a colour bar.
+
+use super::frame::{
+    Anchor, Bounds, Frame, GAP, MOST_TICKS, Page, Room, TEXT_SIZE, TITLE_SIZE, text_width,
+    title_width,
+};
+use super::raster::Raster;
+use super::ticks::{Ticks, Unit, significant};
+use super::{Picture, PictureError, check_finite, square};
+use crate::output::colour::{ColourScale, INK};
+
+/// A small triangle of a cell, the field linear on it; see [`super::facets`].
+#[derive(Clone, Copy, Debug)]
+pub struct Facet {
+    /// [m]
+    pub corners: [[f64; 2]; 3],
+    /// [unit of the field]
+    pub values: [f64; 3],
+}
+
+/// A material point, the field constant on it.
+#[derive(Clone, Copy, Debug)]
+pub struct Square {
+    /// [m]
+    pub centre: [f64; 2],
+    /// Square root of its area [m].
+    pub side: f64,
+    /// [unit of the field]
+    pub value: f64,
+}
+
+/// All that the picture shows. For the deformed shape, give displaced positions.
+#[derive(Clone, Debug, Default)]
+pub struct FieldPicture {
+    pub title: String,
+    /// Symbol or name on the colour bar; `_` begins a subscript, as in `σ_xx`.
+    pub quantity: String,
+    /// SI unit of the values, to which a prefix is added; empty for a share.
+    pub unit: String,
+    /// The factor by which displacements were exaggerated, to be told below the title.
+    pub deformation_scale: Option<f64>,
+    pub facets: Vec<Facet>,
+    pub squares: Vec<Square>,
+    /// Outlines and interfaces, drawn thinly; see [`super::edge_path`] [m].
+    pub lines: Vec<Vec<[f64; 2]>>,
+}
+
+/// Width of the lines [pixels].
+const LINE_WIDTH: f64 = 1.0;
+/// Width of the colour bar [pixels].
+const BAR_WIDTH: i32 = 34;
+/// Distance between the colour bar's ticks [pixels].
+const BAR_TICKS_APART: i32 = 42;
+/// By this much squares are larger than true [pixels]: on a deformed shape hair-wide gaps between
+/// points would make a pattern of lines.
+const OVERLAP: f64 = 0.5;
+
+impl FieldPicture {
+    pub fn draw(&self) -> Result<Picture, PictureError> {
+        check_finite(self.positions().flatten().chain(self.values()))?;
+        let bounds = Bounds::of(self.positions()).ok_or(PictureError::Empty)?;
+        let bar = ColourBar::new(ColourScale::of(self.values()), &self.unit);
+        let room = Room {
+            above: GAP + TITLE_SIZE + GAP + TEXT_SIZE + GAP,
+            below: GAP,
+            right: bar.width(),
+            across: title_width(&self.title)
+                .max(text_width(&self.note(&bar)) + bar.head_width(self)),
+        };
+        let frame = Frame::around(bounds, room);
+        let mut plot = frame.raster();
+        self.fill(&frame, &bar.scale, &mut plot);
+        Picture::compose(frame.clone(), &plot, |page| {
+            page.draw_title(&frame, &self.title)?;
+            let note = [frame.plot[0], GAP + TITLE_SIZE + GAP + TEXT_SIZE / 2];
+            page.draw_text(&self.note(&bar), note, Anchor::Left)?;
+            bar.draw(page, &frame, &self.quantity)
+        })
+    }
+
+    fn values(&self) -> impl Iterator<Item = f64> {
+        let facets = self.facets.iter().flat_map(|facet| facet.values);
+        facets.chain(self.squares.iter().map(|square| square.value))
+    }
+
+    fn positions(&self) -> impl Iterator<Item = [f64; 2]> {
+        let facets = self.facets.iter().flat_map(|facet| facet.corners);
+        let squares = self.squares.iter().flat_map(|s| square(s.centre, s.side));
+        let lines = self.lines.iter().flatten().copied();
+        facets.chain(squares).chain(lines)
+    }
+
+    fn fill(&self, frame: &Frame, scale: &ColourScale, plot: &mut Raster) {
+        for facet in &self.facets {
+            let corners = facet.corners.map(|corner| frame.to_plot(corner));
+            plot.fill_between(corners, facet.values, |value| scale.colour(value));
+        }
+        for Square {
+            centre,
+            side,
+            value,
+        } in &self.squares
+        {
+            let corners = square(frame.to_plot(*centre), side * frame.scale + OVERLAP);
+            plot.fill(&corners, scale.colour(*value));
+        }
+        for line in &self.lines {
+            let line: Vec<[f64; 2]> = line.iter().map(|&x| frame.to_plot(x)).collect();
+            plot.stroke(&line, LINE_WIDTH, INK);
+        }
+    }
+
+    /// The line below the title: the field's range and the exaggeration.
+    fn note(&self, bar: &ColourBar) -> String {
+        let [min, max] = [bar.scale.min, bar.scale.max].map(|v| bar.with_unit(v));
+        let mut note = if bar.scale.is_constant() {
+            format!("constant {min}")
+        } else {
+            format!("min {min},  max {max}")
+        };
+        if let Some(scale) = self.deformation_scale {
+            note.push_str(&format!(",  deformation × {}", scale));
+        }
+        note
+    }
+}
+
+/// The factor that makes the largest of `displacements` [m] a twentieth of `extent`, the body's
+/// larger side [m], rounded down to 1, 2 or 5 times a power of ten.
+pub fn deformation_scale(
+    extent: f64,
+    displacements: impl Iterator<Item = [f64; 2]>,
+) -> Option<f64> {
+    let largest = displacements.map(|[x, y]| x.hypot(y)).fold(0.0, f64::max);
+    let exact = extent / 20.0 / largest;
+    if !(exact.is_finite() && exact > 0.0) {
+        return None;
+    }
+    let decade = 10_f64.powf(exact.log10().floor());
+    let rounded = [5.0, 2.0].map(|multiple| multiple * decade);
+    Some(
+        rounded
+            .into_iter()
+            .find(|&scale| scale <= exact)
+            .unwrap_or(decade),
+    )
+}
+
+/// The bar of colours at the right of the plot, as high as the plot.
+struct ColourBar {
+    scale: ColourScale,
+    unit: Unit,
+}
+
+impl ColourBar {
+    fn new(scale: ColourScale, si_unit: &str) -> ColourBar {
+        let unit = Unit::prefixed(si_unit, scale.min.abs().max(scale.max.abs()));
+        ColourBar { scale, unit }
+    }
+
+    /// Numbers beside a bar of so many pixels, with their values [SI].
+    fn ticks(&self, height: i32) -> Vec<(f64, String)> {
+        let [min, max] = [self.scale.min, self.scale.max].map(|value| value * self.unit.per_si);
+        if self.scale.is_constant() {
+            return vec![(self.scale.min, significant(min, 4))];
+        }
+        let ticks = Ticks::within(
+            min,
+            max,
+            (height / BAR_TICKS_APART).min(MOST_TICKS) as usize,
+        );
+        let labelled = |value: f64| (value / self.unit.per_si, ticks.label(value));
+        ticks.values().map(labelled).collect()
+    }
+
+    /// Room for the bar and its numbers, for any height of the plot [pixels].
+    fn width(&self) -> i32 {
+        let labels = (3..=MOST_TICKS).flat_map(|count| self.ticks(count * BAR_TICKS_APART));
+        let widest = labels
+            .map(|(_, label)| text_width(&label))
+            .max()
+            .unwrap_or(0);
+        2 * GAP + BAR_WIDTH + GAP + widest + 2 * GAP
+    }
+
+    /// Room for what stands above the bar [pixels].
+    fn head_width(&self, picture: &FieldPicture) -> i32 {
+        text_width(&self.unit.label(&picture.quantity)) + 2 * GAP
+    }
+
+    /// `value` [SI] with four digits and the bar's unit.
+    fn with_unit(&self, value: f64) -> String {
+        let number = significant(value * self.unit.per_si, 4);
+        format!("{number} {}", self.unit.name).trim_end().to_owned()
+    }
+
+    fn draw(&self, page: &Page, frame: &Frame, quantity: &str) -> Result<(), PictureError> {
+        let [_, top, right, bottom] = frame.plot;
+        let left = right + 2 * GAP;
+        let height = f64::from(bottom - top);
+        let range = self.scale.max - self.scale.min;
+        for y in top..bottom {
+            let share = (f64::from(bottom - y) - 0.5) / height;
+            let colour = self.scale.colour(self.scale.min + share * range);
+            page.fill_box([left, y, left + BAR_WIDTH, y + 1], colour)?;
+        }
+        page.draw_box([left - 1, top - 1, left + BAR_WIDTH, bottom], INK)?;
+        for (value, label) in self.ticks(bottom - top) {
+            let share = if self.scale.is_constant() {
+                0.5
+            } else {
+                (value - self.scale.min) / range
+            };
+            let y = bottom - (share * height).round() as i32;
+            page.draw_line([left + BAR_WIDTH, y], [left + BAR_WIDTH + GAP / 2, y])?;
+            page.draw_text(&label, [left + BAR_WIDTH + GAP, y], Anchor::Left)?;
+        }
+        let head = [frame.page[0] - GAP, top - GAP - TEXT_SIZE / 2];
+        page.draw_symbol(&self.unit.label(quantity), head, Anchor::Right)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::facets;
+    use super::*;
+    use crate::mesh::CellKind;
+    use crate::output::colour::{Rgb, WHITE, viridis};
+
+    /// The value x over 2 m × 1 m: cells for x < 1 m, points beyond.
+    fn ramp() -> FieldPicture {
+        let cell = |[i, j]: [f64; 2]| {
+            facets(CellKind::Quad8, 4, move |[r, s]| {
+                let position = [(i + (r + 1.0) / 2.0) / 10.0, (j + (s + 1.0) / 2.0) / 10.0];
+                (position, position[0])
+            })
+        };
+        let places = |count: i32| {
+            (0..count).flat_map(move |i| (0..count).map(move |j| [i, j].map(f64::from)))
+        };
+        let point = |[i, j]: [f64; 2]| {
+            let centre = [1.0 + (i + 0.5) / 100.0, (j + 0.5) / 100.0];
+            Square {
+                centre,
+                side: 0.01,
+                value: centre[0],
+            }
+        };
+        FieldPicture {
+            title: "ramp".to_owned(),
+            quantity: "u_x".to_owned(),
+            unit: "m".to_owned(),
+            facets: places(10).flat_map(cell).collect(),
+            squares: places(100).map(point).collect(),
+            ..FieldPicture::default()
+        }
+    }
+
+    #[track_caller]
+    fn assert_close(found: Rgb, expected: Rgb) {
+        let apart = |k: usize| (i32::from(found[k]) - i32::from(expected[k])).abs();
+        assert!((0..3).all(|k| apart(k) <= 3), "{found:?} for {expected:?}");
+    }
+
+    #[test]
+    fn every_place_has_the_colour_of_its_value() {
+        let picture = ramp().draw().expect("a field");
+        for x in [0.105, 0.355, 0.5, 0.995, 1.005, 1.255, 1.705] {
+            for y in [0.105, 0.5, 0.995] {
+                assert_close(picture.colour_at([x, y]), viridis(x / 1.995));
+            }
+        }
+    }
+
+    #[test]
+    fn no_seam_shows() {
+        let picture = ramp().draw().expect("a field");
+        for row in 1..500 {
+            let y = f64::from(row) / 500.0;
+            for column in 5..1_990 {
+                let x = f64::from(column) / 1_000.0;
+                let found = picture.colour_at([x, y]);
+                let brighter = found.iter().zip(viridis(x / 1.995));
+                let apart = brighter.map(|(&a, b)| (i32::from(a) - i32::from(b)).abs());
+                assert!(apart.max() <= Some(8), "{found:?} at {x}, {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn both_directions_have_one_scale() {
+        let mut picture = ramp();
+        picture.facets.clear();
+        let picture = picture.draw().expect("a square of points");
+        let frame = &picture.frame;
+        let [left, bottom] = frame.to_page([1.0, 0.0]);
+        let [right, top] = frame.to_page([2.0, 1.0]);
+        assert!((right - left - (bottom - top)).abs() < 1e-9);
+        assert_eq!(picture.colour_at([0.99, 0.5]), WHITE);
+        assert_eq!(picture.colour_at([1.5, 1.01]), WHITE);
+    }
+
+    #[test]
+    fn the_bar_runs_from_the_lowest_to_the_highest_colour() {
+        let picture = ramp().draw().expect("a field");
+        let [_, top, right, bottom] = picture.frame.plot;
+        let column = (right + 2 * GAP + BAR_WIDTH / 2) as u32;
+        assert_close(picture.pixel(column, top as u32 + 1), viridis(1.0));
+        assert_close(picture.pixel(column, bottom as u32 - 2), viridis(0.0));
+        let middle = (top + bottom) as u32 / 2;
+        assert_close(picture.pixel(column, middle), viridis(0.5));
+        let beside = (column + BAR_WIDTH as u32)..picture.size()[0];
+        let has_ink =
+            |column: u32| (top as u32..bottom as u32).any(|row| picture.pixel(column, row) == INK);
+        assert!(beside.into_iter().any(has_ink));
+    }
+
+    #[test]
+    fn a_constant_field_is_one_colour_and_says_so() {
+        let mut picture = ramp();
+        picture.facets.clear();
+        picture.squares.iter_mut().for_each(|s| s.value = -2.5e6);
+        picture.unit = "Pa".to_owned();
+        let bar = ColourBar::new(ColourScale::of(picture.values()), &picture.unit);
+        assert_eq!(picture.note(&bar), "constant −2.500 MPa");
+        assert_eq!(bar.ticks(300), [(-2.5e6, "−2.500".to_owned())]);
+        let drawn = picture.draw().expect("a field");
+        assert_close(drawn.colour_at([1.5, 0.5]), viridis(0.5));
+    }
+
+    #[test]
+    fn the_range_and_the_exaggeration_are_told() {
+        let mut picture = ramp();
+        picture.deformation_scale = Some(20.0);
+        let bar = ColourBar::new(ColourScale::of(picture.values()), &picture.unit);
+        let note = picture.note(&bar);
+        assert_eq!(note, "min 0 m,  max 1.995 m,  deformation × 20");
+    }
+
+    #[test]
+    fn the_exaggeration_is_round() {
+        let of = |largest: f64| deformation_scale(1.0, [[0.0, largest], [0.0, 0.0]].into_iter());
+        assert_eq!(of(1e-3), Some(50.0));
+        assert_eq!(of(1.3e-3), Some(20.0));
+        assert_eq!(of(0.0), None);
+        assert_eq!(of(f64::NAN), None);
+    }
+
+    #[test]
+    fn a_value_that_is_not_finite_is_refused() {
+        let mut picture = ramp();
+        picture.squares[5].value = f64::INFINITY;
+        let error = picture.draw().expect_err("must be refused");
+        assert_eq!(
+            error.to_string(),
+            "a position or value of the picture is inf"
+        );
+    }
+}

@@ -1,0 +1,327 @@
+//! The mesh with its regions: what is finite elements, what is material points, and where they
+//! meet.
+
+use super::frame::{Bounds, Frame, GAP, Room, TITLE_SIZE, title_width};
+use super::legend::{self, Key, Sign, in_rows};
+use super::raster::Raster;
+use super::ticks::grouped;
+use super::{Picture, PictureError, check_finite, square};
+use crate::output::colour::{CELL_EDGE, INK, INTERFACE, Rgb, cell_fill, point_fill, tint};
+
+/// What a region consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Filling {
+    Cells,
+    Points,
+}
+
+/// A region's line in the legend.
+#[derive(Clone, Debug)]
+pub struct Region {
+    pub name: String,
+    /// The model, as the reader calls it.
+    pub model: String,
+    pub filling: Filling,
+    /// Number of its cells or material points.
+    pub count: usize,
+}
+
+/// A cell.
+#[derive(Clone, Debug)]
+pub struct Patch {
+    /// See [`super::outline`] [m].
+    pub outline: Vec<[f64; 2]>,
+    /// Index into [`MeshPicture::regions`].
+    pub region: usize,
+}
+
+/// A material point.
+#[derive(Clone, Copy, Debug)]
+pub struct Dot {
+    /// [m]
+    pub centre: [f64; 2],
+    /// The lattice's spacing [m].
+    pub side: f64,
+    /// Index into [`MeshPicture::regions`].
+    pub region: usize,
+}
+
+/// All that the picture shows.
+#[derive(Clone, Debug, Default)]
+pub struct MeshPicture {
+    pub title: String,
+    pub regions: Vec<Region>,
+    pub cells: Vec<Patch>,
+    pub points: Vec<Dot>,
+    /// Interfaces of regions, drawn strongly; see [`super::edge_path`] [m].
+    pub interfaces: Vec<Vec<[f64; 2]>>,
+    /// Initial cracks, drawn strongest [m].
+    pub cracks: Vec<Vec<[f64; 2]>>,
+}
+
+/// Width of an interface's line [pixels].
+const INTERFACE_WIDTH: f64 = 3.0;
+/// Width of a crack's line [pixels].
+const CRACK_WIDTH: f64 = 4.0;
+/// Below this spacing dots would merge: the squares are filled instead [pixels].
+const SMALLEST_DOT_SPACING: f64 = 3.0;
+
+impl MeshPicture {
+    pub fn draw(&self) -> Result<Picture, PictureError> {
+        self.check()?;
+        let bounds = Bounds::of(self.positions()).ok_or(PictureError::Empty)?;
+        let keys = self.keys();
+        let widest_key = keys.iter().map(Key::width).max().unwrap_or(0);
+        let room = Room {
+            above: GAP + TITLE_SIZE + GAP,
+            below: GAP,
+            right: 2 * GAP,
+            across: widest_key.max(title_width(&self.title)),
+        };
+        let mut frame = Frame::around(bounds, room);
+        let rows = in_rows(keys, frame.page[0] - frame.plot[0]);
+        frame.extend_below(rows.len() as i32 * legend::ROW);
+        let mut plot = frame.raster();
+        self.draw_cells(&frame, &mut plot);
+        self.draw_points(&frame, &mut plot);
+        stroke_all(
+            &self.interfaces,
+            INTERFACE_WIDTH,
+            INTERFACE,
+            &frame,
+            &mut plot,
+        );
+        stroke_all(&self.cracks, CRACK_WIDTH, INK, &frame, &mut plot);
+        Picture::compose(frame.clone(), &plot, |page| {
+            page.draw_title(&frame, &self.title)?;
+            legend::draw(page, &frame, &rows)
+        })
+    }
+}
+
+/// What is drawn, before the legend.
+impl MeshPicture {
+    fn positions(&self) -> impl Iterator<Item = [f64; 2]> {
+        let cells = self
+            .cells
+            .iter()
+            .flat_map(|cell| cell.outline.iter().copied());
+        let points = self
+            .points
+            .iter()
+            .flat_map(|dot| square(dot.centre, dot.side));
+        let lines = self
+            .interfaces
+            .iter()
+            .chain(&self.cracks)
+            .flatten()
+            .copied();
+        cells.chain(points).chain(lines)
+    }
+
+    fn check(&self) -> Result<(), PictureError> {
+        check_finite(self.positions().flatten())?;
+        let regions = self.regions.len();
+        let cells = self.cells.iter().map(|cell| cell.region);
+        let points = self.points.iter().map(|dot| dot.region);
+        match cells.chain(points).find(|&region| region >= regions) {
+            Some(region) => Err(PictureError::RegionMissing { region, regions }),
+            None => Ok(()),
+        }
+    }
+
+    /// One colour per region, of the palette of its filling.
+    fn colours(&self) -> Vec<Rgb> {
+        let (mut cells, mut points) = (0.., 0..);
+        let next = |region: &Region| match region.filling {
+            Filling::Cells => cells.next().map(cell_fill),
+            Filling::Points => points.next().map(point_fill),
+        };
+        self.regions.iter().filter_map(next).collect()
+    }
+
+    fn draw_cells(&self, frame: &Frame, plot: &mut Raster) {
+        let colours = self.colours();
+        let mut sides: Vec<Vec<[f64; 2]>> = Vec::with_capacity(self.cells.len());
+        for cell in &self.cells {
+            let mut side: Vec<[f64; 2]> = cell.outline.iter().map(|&x| frame.to_plot(x)).collect();
+            plot.fill(&side, colours[cell.region]);
+            side.extend(side.first().copied());
+            sides.push(side);
+        }
+        let width = edge_width(&sides);
+        for side in sides {
+            plot.stroke(&side, width, CELL_EDGE);
+        }
+    }
+
+    fn draw_points(&self, frame: &Frame, plot: &mut Raster) {
+        let colours = self.colours();
+        for dot in &self.points {
+            let colour = colours[dot.region];
+            let spacing = dot.side * frame.scale;
+            let centre = frame.to_plot(dot.centre);
+            if spacing < SMALLEST_DOT_SPACING {
+                plot.fill(&square(centre, spacing), tint(colour, DENSE_TINT));
+            } else {
+                plot.fill(&square(centre, spacing), tint(colour, LIGHT_TINT));
+                plot.fill(&square(centre, spacing * DOT_SHARE), colour);
+            }
+        }
+    }
+}
+
+/// Opacity of the squares where dots would merge.
+const DENSE_TINT: f64 = 0.7;
+/// Opacity of the squares under the dots.
+pub(super) const LIGHT_TINT: f64 = 0.3;
+/// Side of a dot in shares of the spacing.
+const DOT_SHARE: f64 = 0.5;
+
+/// Width of the thinnest line [pixels].
+const THIN: f64 = 1.0 / 3.0;
+
+/// Width of the cells' sides [pixels]: thinner the smaller the cells, so that fills stay visible.
+fn edge_width(cells: &[Vec<[f64; 2]>]) -> f64 {
+    let mut sizes: Vec<f64> = cells
+        .iter()
+        .filter_map(|corners| Bounds::of(corners.iter().copied()))
+        .map(|Bounds { min, max }| (max[0] - min[0]).min(max[1] - min[1]))
+        .collect();
+    sizes.sort_by(f64::total_cmp);
+    let median = sizes.get(sizes.len() / 2).copied().unwrap_or_default();
+    (median / 12.0).clamp(THIN, 1.0)
+}
+
+fn stroke_all(paths: &[Vec<[f64; 2]>], width: f64, colour: Rgb, frame: &Frame, plot: &mut Raster) {
+    for path in paths {
+        let path: Vec<[f64; 2]> = path.iter().map(|&x| frame.to_plot(x)).collect();
+        plot.stroke(&path, width, colour);
+    }
+}
+
+impl MeshPicture {
+    fn keys(&self) -> Vec<Key> {
+        let mut keys: Vec<Key> = self
+            .regions
+            .iter()
+            .zip(self.colours())
+            .map(region_key)
+            .collect();
+        let lines = [
+            (&self.interfaces, "interface", INTERFACE, INTERFACE_WIDTH),
+            (&self.cracks, "crack", INK, CRACK_WIDTH),
+        ];
+        for (paths, text, colour, width) in lines {
+            if !paths.is_empty() {
+                keys.push(Key {
+                    sign: Sign::Line(colour, width),
+                    text: text.to_owned(),
+                });
+            }
+        }
+        keys
+    }
+}
+
+fn region_key((region, colour): (&Region, Rgb)) -> Key {
+    let (sign, things) = match region.filling {
+        Filling::Cells => (Sign::Cells(colour), "cells"),
+        Filling::Points => (Sign::Points(colour), "points"),
+    };
+    let Region { name, model, .. } = region;
+    let text = format!("{name}: {model}, {} {things}", grouped(region.count));
+    Key { sign, text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::colour::WHITE;
+
+    /// Cells of 0.1 m for x < 1 m and points of 0.1 m beyond, 2 m × 1 m in all.
+    fn picture() -> MeshPicture {
+        let places =
+            (0..10).flat_map(|i| (0..10).map(move |j| [i, j].map(|k| (f64::from(k) + 0.5) / 10.0)));
+        let region = |name: &str, filling| Region {
+            name: name.to_owned(),
+            model: "a model".to_owned(),
+            filling,
+            count: 100,
+        };
+        MeshPicture {
+            title: "mesh".to_owned(),
+            regions: vec![
+                region("grip", Filling::Cells),
+                region("band", Filling::Points),
+            ],
+            cells: places
+                .clone()
+                .map(|centre| Patch {
+                    outline: square(centre, 0.1).to_vec(),
+                    region: 0,
+                })
+                .collect(),
+            points: places
+                .map(|[x, y]| Dot {
+                    centre: [x + 1.0, y],
+                    side: 0.1,
+                    region: 1,
+                })
+                .collect(),
+            interfaces: vec![vec![[1.0, 0.0], [1.0, 1.0]]],
+            cracks: vec![vec![[1.5, 0.0], [1.5, 0.5]]],
+        }
+    }
+
+    #[test]
+    fn everything_has_its_colour_at_its_place() {
+        let drawn = picture().draw().expect("a mesh");
+        assert_eq!(drawn.colour_at([0.05, 0.05]), cell_fill(0));
+        assert_eq!(drawn.colour_at([0.95, 0.95]), cell_fill(0));
+        assert_eq!(drawn.colour_at([0.30, 0.55]), CELL_EDGE);
+        assert_eq!(drawn.colour_at([1.05, 0.05]), point_fill(0));
+        assert_eq!(
+            drawn.colour_at([1.09, 0.09]),
+            tint(point_fill(0), LIGHT_TINT)
+        );
+        assert_eq!(drawn.colour_at([1.0, 0.55]), INTERFACE);
+        assert_eq!(drawn.colour_at([1.5, 0.25]), INK);
+        for outside in [[-0.01, 0.5], [2.01, 0.5], [1.0, -0.01], [1.0, 1.01]] {
+            assert_eq!(drawn.colour_at(outside), WHITE);
+        }
+    }
+
+    #[test]
+    fn the_legend_shows_every_sign_and_some_text() {
+        let drawn = picture().draw().expect("a mesh");
+        let [width, height] = drawn.size();
+        let legend = (height - (GAP + legend::ROW) as u32)..height;
+        let pixels: Vec<Rgb> = legend
+            .flat_map(|row| (0..width).map(move |column| [column, row]))
+            .map(|[column, row]| drawn.pixel(column, row))
+            .collect();
+        let count = |colour: Rgb| pixels.iter().filter(|&&pixel| pixel == colour).count();
+        assert!(count(cell_fill(0)) > 400);
+        assert!(count(point_fill(0)) > 100);
+        assert!(count(INTERFACE) > 50);
+        assert!(count(INK) > 300);
+        assert!(pixels.len() - count(WHITE) > 3_000);
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_refused() {
+        let refused = |picture: &MeshPicture| picture.draw().expect_err("must be refused");
+        assert!(matches!(
+            refused(&MeshPicture::default()),
+            PictureError::Empty
+        ));
+        let mut broken = picture();
+        broken.points[7].centre[1] = f64::NAN;
+        assert!(matches!(refused(&broken), PictureError::NotFinite { .. }));
+        let mut broken = picture();
+        broken.cells[3].region = 2;
+        let error = refused(&broken).to_string();
+        assert_eq!(error, "region 2 is drawn, but only 2 are described");
+    }
+}

@@ -1,0 +1,222 @@
+//! Filled polygons and strokes on a grid of pixels.
+//!
+//! Each pixel has 3 × 3 samples, and a sample belongs to the polygon that holds its centre. So
+//! neighbouring polygons leave no seam, as smoothing each polygon by itself would, and outlines
+//! come out smooth when the samples of a pixel are averaged.
+
+use crate::output::colour::{Rgb, WHITE};
+
+/// Samples per pixel and direction.
+const SAMPLES: usize = 3;
+
+/// Vertices are rounded to this share of a sample, so that a vertex computed in two ways, once by
+/// each neighbour, is one vertex.
+const GRID: f64 = 1.0 / 256.0;
+
+/// A picture under construction. Positions are in pixels, y downwards.
+pub(super) struct Raster {
+    width: usize,
+    height: usize,
+    samples: Vec<Rgb>,
+}
+
+impl Raster {
+    /// White; `width` and `height` in pixels.
+    pub fn new(width: usize, height: usize) -> Raster {
+        let (width, height) = (width * SAMPLES, height * SAMPLES);
+        Raster {
+            width,
+            height,
+            samples: vec![WHITE; width * height],
+        }
+    }
+
+    /// Fills a polygon, convex or not, by the even-odd rule.
+    pub fn fill(&mut self, corners: &[[f64; 2]], colour: Rgb) {
+        let corners: Vec<[f64; 2]> = corners.iter().copied().map(to_grid).collect();
+        self.scan(&corners, |_, _| colour);
+    }
+
+    /// Fills a triangle, `colour_of` the value interpolated linearly between its corners.
+    pub fn fill_between(
+        &mut self,
+        corners: [[f64; 2]; 3],
+        values: [f64; 3],
+        colour_of: impl Fn(f64) -> Rgb,
+    ) {
+        let [a, b, c] = corners.map(to_grid);
+        let (ab, ac) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+        let doubled_area = ab[0] * ac[1] - ab[1] * ac[0];
+        if doubled_area == 0.0 {
+            return;
+        }
+        self.scan(&[a, b, c], |x, y| {
+            let (dx, dy) = (x - a[0], y - a[1]);
+            let to_b = (dx * ac[1] - dy * ac[0]) / doubled_area;
+            let to_c = (ab[0] * dy - ab[1] * dx) / doubled_area;
+            colour_of(values[0] + to_b * (values[1] - values[0]) + to_c * (values[2] - values[0]))
+        });
+    }
+
+    /// Draws a polyline of the given width [pixels]. Segments along an axis are moved by up to half
+    /// a pixel onto the pixels, so that the lines of a grid look alike.
+    pub fn stroke(&mut self, path: &[[f64; 2]], width: f64, colour: Rgb) {
+        for pair in path.windows(2) {
+            let [[x0, y0], [x1, y1]] = on_pixels([pair[0], pair[1]], width);
+            let length = (x1 - x0).hypot(y1 - y0);
+            if length == 0.0 {
+                continue;
+            }
+            // Half the width along and across; the overhang closes the joints.
+            let [tx, ty] = [x1 - x0, y1 - y0].map(|d| d / length * width / 2.0);
+            self.fill(
+                &[
+                    [x0 - tx - ty, y0 - ty + tx],
+                    [x1 + tx - ty, y1 + ty + tx],
+                    [x1 + tx + ty, y1 + ty - tx],
+                    [x0 - tx + ty, y0 - ty - tx],
+                ],
+                colour,
+            );
+        }
+    }
+
+    /// Colours every sample whose centre lies in the polygon with corners on the grid; `colour`
+    /// gets that centre. All in samples.
+    fn scan(&mut self, corners: &[[f64; 2]], colour: impl Fn(f64, f64) -> Rgb) {
+        let rows = corners.iter().map(|corner| corner[1]);
+        let top = rows.clone().fold(f64::INFINITY, f64::min);
+        let bottom = rows.fold(f64::NEG_INFINITY, f64::max);
+        let mut crossings: Vec<f64> = Vec::with_capacity(8);
+        for row in first_centre(top, self.height)..first_centre(bottom, self.height) {
+            let y = row as f64 + 0.5;
+            crossings.clear();
+            crossings.extend(sides(corners).filter_map(|side| crossing(side, y)));
+            crossings.sort_by(f64::total_cmp);
+            for span in crossings.chunks_exact(2) {
+                let columns = first_centre(span[0], self.width)..first_centre(span[1], self.width);
+                for column in columns {
+                    self.samples[row * self.width + column] = colour(column as f64 + 0.5, y);
+                }
+            }
+        }
+    }
+
+    /// The pixels, each the mean of its samples.
+    pub fn pixels(&self) -> Vec<Rgb> {
+        let width = self.width / SAMPLES;
+        let mut pixels = Vec::with_capacity(self.samples.len() / (SAMPLES * SAMPLES));
+        for row in self.samples.chunks_exact(self.width * SAMPLES) {
+            for column in 0..width {
+                let mut sum = [0_u32; 3];
+                for line in row.chunks_exact(self.width) {
+                    for sample in &line[column * SAMPLES..(column + 1) * SAMPLES] {
+                        (0..3).for_each(|k| sum[k] += u32::from(sample[k]));
+                    }
+                }
+                let count = (SAMPLES * SAMPLES) as u32;
+                pixels.push(sum.map(|channel| ((channel + count / 2) / count) as u8));
+            }
+        }
+        pixels
+    }
+}
+
+/// A segment along an axis moved to where a line of `width` covers whole pixels.
+fn on_pixels([mut a, mut b]: [[f64; 2]; 2], width: f64) -> [[f64; 2]; 2] {
+    let is_odd = width.round().max(1.0) % 2.0 == 1.0;
+    for axis in [0, 1] {
+        if (a[axis] - b[axis]).abs() < 1e-6 {
+            // Lines halfway between two pixels go the same way, whatever their rounding.
+            let shift = if is_odd { 0.5 } else { 0.0 };
+            let at = (a[axis] - shift + 1e-6).round() + shift;
+            (a[axis], b[axis]) = (at, at);
+        }
+    }
+    [a, b]
+}
+
+/// Pixels to samples, rounded to the grid.
+fn to_grid(position: [f64; 2]) -> [f64; 2] {
+    position.map(|x| (x * SAMPLES as f64 / GRID).round() * GRID)
+}
+
+/// Index of the first sample whose centre is not before `position`, within `0..=count`.
+fn first_centre(position: f64, count: usize) -> usize {
+    (position - 0.5).ceil().clamp(0.0, count as f64) as usize
+}
+
+fn sides(corners: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> {
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().zip(next).map(|(&a, &b)| [a, b])
+}
+
+/// Where a side crosses the height `y`. Both polygons at a side compute it from the upper end, so
+/// that they get the same bits.
+fn crossing([a, b]: [[f64; 2]; 2], y: f64) -> Option<f64> {
+    let [upper, lower] = if a[1] < b[1] { [a, b] } else { [b, a] };
+    let crosses = upper[1] <= y && y < lower[1];
+    crosses.then(|| upper[0] + (y - upper[1]) / (lower[1] - upper[1]) * (lower[0] - upper[0]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BLACK: Rgb = [0, 0, 0];
+
+    #[test]
+    fn coverage_becomes_grey() {
+        let mut raster = Raster::new(3, 1);
+        raster.fill(&[[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]], BLACK);
+        assert_eq!(raster.pixels(), [WHITE, BLACK, WHITE]);
+
+        let mut raster = Raster::new(1, 1);
+        let third = 1.0 / 3.0;
+        raster.fill(&[[0.0, 0.0], [third, 0.0], [third, 1.0], [0.0, 1.0]], BLACK);
+        assert_eq!(raster.pixels(), [[170, 170, 170]]);
+    }
+
+    /// A fan around a point off the grid: the whole square is covered, every sample once.
+    #[test]
+    fn neighbours_leave_no_seam() {
+        let mut raster = Raster::new(40, 40);
+        let middle = [17.31, 22.77];
+        let rim: Vec<[f64; 2]> = (0..=28)
+            .map(|k| std::f64::consts::TAU * f64::from(k) / 28.0)
+            .map(|angle| [20.0 + 40.0 * angle.cos(), 20.0 + 40.0 * angle.sin()])
+            .collect();
+        for pair in rim.windows(2) {
+            raster.fill(&[middle, pair[0], pair[1]], BLACK);
+        }
+        assert!(raster.pixels().iter().all(|&pixel| pixel == BLACK));
+    }
+
+    #[test]
+    fn values_are_interpolated() {
+        let mut raster = Raster::new(12, 12);
+        let grey = |value: f64| [value.round() as u8; 3];
+        let corners = [[0.0, 0.0], [12.0, 0.0], [0.0, 12.0]];
+        raster.fill_between(corners, [0.0, 240.0, 120.0], grey);
+        let pixel = raster.pixels()[2 * 12 + 3];
+        // The centre of the pixel in column 3, row 2.
+        assert_eq!(pixel, grey(3.5 / 12.0 * 240.0 + 2.5 / 12.0 * 120.0));
+    }
+
+    #[test]
+    fn what_lies_outside_is_cut() {
+        let mut raster = Raster::new(4, 4);
+        raster.fill(&[[-1e9, -1e9], [1e9, -1e9], [1e9, 2.0], [-1e9, 2.0]], BLACK);
+        let pixels = raster.pixels();
+        assert!(pixels[..8].iter().all(|&pixel| pixel == BLACK));
+        assert!(pixels[8..].iter().all(|&pixel| pixel == WHITE));
+    }
+
+    #[test]
+    fn a_stroke_has_its_width() {
+        let mut raster = Raster::new(5, 5);
+        raster.stroke(&[[-2.0, 2.5], [7.0, 2.5]], 1.0, BLACK);
+        let column: Vec<Rgb> = raster.pixels().into_iter().skip(2).step_by(5).collect();
+        assert_eq!(column, [WHITE, WHITE, BLACK, WHITE, WHITE]);
+    }
+}

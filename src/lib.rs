@@ -5,6 +5,7 @@
 
 pub mod assembly;
 pub mod boundary;
+pub mod cli;
 pub mod coupling;
 pub mod fem;
 pub mod fields;

@@ -1,13 +1,9 @@
 use std::process::ExitCode;
 
-use peristitch::gmsh;
-
 fn main() -> ExitCode {
-    if std::env::args_os()
-        .nth(1)
-        .is_some_and(|command| command == gmsh::WORKER_COMMAND)
-    {
-        return gmsh::worker_main();
+    let mut arguments = std::env::args_os();
+    if arguments.nth(1).is_some_and(|command| command == peristitch::gmsh::WORKER_COMMAND) {
+        return peristitch::gmsh::worker_main();
     }
-    ExitCode::SUCCESS
+    peristitch::cli::main()
 }

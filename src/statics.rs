@@ -5,10 +5,11 @@ use crate::boundary::Boundary;
 use crate::linear_solver::cholesky::{Factor, SolverError, Symbolic};
 use crate::linear_solver::ordering::{Ordering, elimination_order};
 use crate::model::Model;
-use crate::phases::Phases;
+use crate::phases::{Phases, peak_memory};
 use crate::support::{self, NotHeld};
 use faer::Par;
 use std::collections::BTreeMap;
+use std::time::Duration;
 use thiserror::Error;
 
 /// Displacements of all nodes, and what holds them.
@@ -63,6 +64,45 @@ const RESIDUAL_LIMIT: f64 = 1e-8;
 /// Solutions are refined until the residual is this small or stops falling.
 const RESIDUAL_GOAL: f64 = 1e-14;
 const MOST_REFINEMENTS: usize = 3;
+
+/// What a solve will cost, from the structure of L alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    pub dofs: usize,
+    pub factor_entries: usize,
+    /// Of the numeric factorisation.
+    pub flops: f64,
+    /// Peak memory.
+    pub bytes: u64,
+    pub time: Duration,
+}
+
+/// Flops per second of the factorisation, and entries of K per second of everything else: measured
+/// on two cores with AVX-512 (docs/performance.md). A rough guide elsewhere.
+const FACTOR_RATE: f64 = 3e10;
+const ENTRY_RATE: f64 = 4e6;
+
+impl Estimate {
+    /// # Errors
+    /// [`SolverError::Ordering`], [`SolverError::OutOfMemory`].
+    pub fn new(model: &Model, boundary: &Boundary) -> Result<Estimate, StaticsError> {
+        let elements = model.element_stiffness();
+        let pattern = Pattern::new(model.node_count(), &model.springs, &elements);
+        let stiffness = pattern.assemble(&model.positions, &model.springs, &elements);
+        let system = System::new(stiffness, boundary);
+        let symbolic =
+            Symbolic::new(&system.held, &pattern.graph, &model.positions, Ordering::Metis)?;
+        let (entries, factor_entries) = (pattern.stored_entries(), symbolic.factor_entries());
+        let seconds = symbolic.flops() / FACTOR_RATE + entries as f64 / ENTRY_RATE;
+        Ok(Estimate {
+            dofs: system.load.len(),
+            factor_entries,
+            flops: symbolic.flops(),
+            bytes: peak_memory().unwrap_or(0) + 8 * factor_entries as u64,
+            time: Duration::from_secs_f64(seconds),
+        })
+    }
+}
 
 /// Assembles and solves.
 ///

@@ -6,7 +6,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
 use faer::{Conj, MatMut, Par, Side};
@@ -79,6 +79,18 @@ impl Symbolic {
     /// Stored entries of L; blocks of supernodes count whole.
     pub fn factor_entries(&self) -> usize {
         self.structure.len_val()
+    }
+
+    /// Multiplications and additions of the numeric factorisation: w³/3 + w²r + wr² for each
+    /// supernode of w columns with r rows below them.
+    pub fn flops(&self) -> f64 {
+        let SymbolicCholeskyRaw::Supernodal(supernodes) = self.structure.raw() else {
+            return 0.0;
+        };
+        let columns = supernodes.supernode_begin().iter().zip(supernodes.supernode_end());
+        let widths = columns.map(|(&begin, &end)| f64::from(end - begin));
+        let rows = supernodes.col_ptr_for_row_idx().windows(2).map(|w| f64::from(w[1] - w[0]));
+        widths.zip(rows).map(|(w, r)| w * w * w / 3.0 + w * w * r + w * r * r).sum()
     }
 
     /// L of a matrix with this pattern.

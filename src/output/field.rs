@@ -25,7 +25,13 @@ pub enum FieldName {
     Intact,
     /// Load step at which a bond broke, -1 while it is intact [-]
     BrokenAtStep,
-    /// Volume per metre of thickness [m²]
+    /// Stiffness of a bond or truss [N/m]
+    Stiffness,
+    /// 1 for a truss of the coupling, 0 for a bond [-]
+    Truss,
+    /// Area of a material point [m²]
+    Area,
+    /// Volume of a material point [m³]
     Volume,
     /// Index of the region, in the order of the pipeline [-]
     Region,
@@ -36,7 +42,7 @@ pub enum FieldName {
 }
 
 impl FieldName {
-    pub const ALL: [FieldName; 15] = [
+    pub const ALL: [FieldName; 18] = [
         FieldName::Displacement,
         FieldName::Reaction,
         FieldName::Load,
@@ -48,6 +54,9 @@ impl FieldName {
         FieldName::Stretch,
         FieldName::Intact,
         FieldName::BrokenAtStep,
+        FieldName::Stiffness,
+        FieldName::Truss,
+        FieldName::Area,
         FieldName::Volume,
         FieldName::Region,
         FieldName::Material,
@@ -67,9 +76,12 @@ impl FieldName {
             FieldName::Stretch => "stretch",
             FieldName::Intact => "intact",
             FieldName::BrokenAtStep => "broken_at_step",
+            FieldName::Stiffness => "stiffness",
+            FieldName::Truss => "truss",
+            FieldName::Area => "area",
             FieldName::Volume => "volume",
-            FieldName::Region => "region",
-            FieldName::Material => "material",
+            FieldName::Region => "region_id",
+            FieldName::Material => "material_id",
             FieldName::Index => "index",
         }
     }

@@ -212,7 +212,8 @@ impl Outcome<'_> {
     fn displacement_picture(&self, axis: usize) -> FieldPicture {
         let model = self.model;
         let u = &self.solution.displacement;
-        let scale = picture::deformation_scale(u, self.extent());
+        let exaggeration = picture::field::deformation_scale(self.extent(), u.iter().copied());
+        let scale = exaggeration.unwrap_or(0.0);
         let moved = |node: usize| [0, 1].map(|k| model.positions[node][k] + scale * u[node][k]);
         let mut facets = Vec::new();
         for element in 0..model.elements.len() {
@@ -239,7 +240,7 @@ impl Outcome<'_> {
             title: format!("{}: displacement u_{}", self.plan.name, ['x', 'y'][axis]),
             quantity: format!("u_{}", ['x', 'y'][axis]),
             unit: "m".to_owned(),
-            deformation_scale: Some(scale),
+            deformation_scale: exaggeration,
             facets,
             squares: squares.collect(),
             lines: edges.map(|edge| picture::edge_path(edge, line)).collect(),
@@ -320,9 +321,10 @@ impl Outcome<'_> {
             .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
             .expect("a model has nodes");
         let value = self.solution.displacement[node][probe.axis];
+        let component = ["x", "y"][probe.axis];
         json!({
             "name": probe.name,
-            "component": ["x", "y"][probe.axis],
+            "component": component,
             "at_m": positions[node],
             "displacement_m": value,
             "reference_m": probe.reference,

@@ -170,8 +170,10 @@ struct Run<'a> {
 
 impl Run<'_> {
     fn is_fresh(&self, stage: Stage) -> Result<bool, RunError> {
-        let stale = || Ok(stamp::stale(&self.plan.folder, stage, &recipe(self.plan, stage)?));
-        Ok(!self.options.force && stale().map(|reasons: Reasons| reasons.is_empty())?)
+        if self.options.force {
+            return Ok(false);
+        }
+        Ok(stamp::stale(&self.plan.folder, stage, &recipe(self.plan, stage)?).is_empty())
     }
 
     fn mesh(&mut self) -> Result<Meshed, RunError> {

@@ -1,0 +1,310 @@
+//! The command line: arguments → pipelines, progress to standard error, results to standard output.
+//! Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.
+
+use crate::pipeline::plan::Plan;
+use crate::pipeline::run::{self, Observer, Options, RunError};
+use crate::pipeline::source::InputError;
+use crate::pipeline::stamp::Stage;
+use crate::statics::Estimate;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::Value;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Quasi-static fracture in two dimensions: peridynamics stitched into finite elements.
+#[derive(Parser)]
+#[command(version, arg_required_else_help = true, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  peristitch run pipelines/cantilever_hybrid_q8.yaml
+  peristitch run pipelines/*.yaml --until mesh
+  peristitch run p.yaml --set geometry.parameters.element=5 --set regions.1.horizon=3
+  peristitch check p.yaml
+  peristitch explain p.yaml
+
+Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.";
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run every stage that is stale: mesh, solve, output
+    Run {
+        #[command(flatten)]
+        common: Common,
+        /// Stop after this stage
+        #[arg(long, value_enum, default_value = "output")]
+        until: StageName,
+        /// Run every stage, stale or not
+        #[arg(long)]
+        force: bool,
+        /// Say what would run, and run nothing
+        #[arg(long)]
+        dry_run: bool,
+        /// Number of threads; the results do not depend on it
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+        threads: Option<u16>,
+    },
+    /// Validate, and print sizes and the memory and time to expect; writes nothing
+    Check(Common),
+    /// Print which stages are fresh
+    Status(Common),
+    /// Print why stages are stale
+    Explain(Common),
+    /// Remove the results
+    Clean(Common),
+}
+
+#[derive(Args)]
+struct Common {
+    /// Pipeline files (YAML)
+    #[arg(required = true, value_name = "PIPELINE")]
+    pipelines: Vec<PathBuf>,
+    /// Set a value of the pipeline, such as regions.1.horizon=3; repeatable
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Where NAME/ goes [default: results/ beside pipelines/, or beside the file]
+    #[arg(long, value_name = "FOLDER")]
+    results: Option<PathBuf>,
+}
+
+impl Common {
+    fn plan(&self, pipeline: &Path) -> Result<Plan, RunError> {
+        Ok(Plan::read(pipeline, &self.overrides, self.results.as_deref())?)
+    }
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum StageName {
+    Mesh,
+    Solve,
+    Output,
+}
+
+impl From<StageName> for Stage {
+    fn from(name: StageName) -> Stage {
+        match name {
+            StageName::Mesh => Stage::Mesh,
+            StageName::Solve => Stage::Solve,
+            StageName::Output => Stage::Output,
+        }
+    }
+}
+
+/// Parses the arguments and does what they say.
+pub fn main() -> ExitCode {
+    match Cli::parse().command {
+        Command::Run { common, until, force, dry_run, threads } => {
+            if let Some(threads) = threads {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+                pool.build_global().expect("no parallel work has begun yet");
+            }
+            let options = Options { until: until.into(), force, ..Options::default() };
+            for_each(&common, |plan| {
+                if dry_run { announce(plan, &options) } else { run_one(plan, &options) }
+            })
+        }
+        Command::Check(common) => for_each(&common, check),
+        Command::Status(common) => for_each(&common, |plan| list(plan, false)),
+        Command::Explain(common) => for_each(&common, |plan| list(plan, true)),
+        Command::Clean(common) => for_each(&common, |plan| {
+            let removed = run::clean(plan)?;
+            println!("{}: {removed} files removed", plan.folder.display());
+            Ok(())
+        }),
+    }
+}
+
+/// Reads all pipelines before the first one acts, so that bad input stops everything.
+fn for_each(common: &Common, act: impl Fn(&Plan) -> Result<(), RunError>) -> ExitCode {
+    let mut plans = Vec::new();
+    for pipeline in &common.pipelines {
+        match common.plan(pipeline) {
+            Ok(plan) => plans.push(plan),
+            Err(error) => return report(error),
+        }
+    }
+    for plan in &plans {
+        if let Err(error) = act(plan) {
+            return report(error);
+        }
+    }
+    ExitCode::SUCCESS
+}
+
+fn report(error: RunError) -> ExitCode {
+    match error {
+        RunError::Input(error) => {
+            eprintln!("{:?}", miette::Report::new(*error));
+            ExitCode::from(2)
+        }
+        failure => {
+            let mut message = failure.to_string();
+            let mut cause = std::error::Error::source(&failure);
+            while let Some(source) = cause {
+                let text = source.to_string();
+                if !message.contains(&text) {
+                    message.push_str(&format!(": {text}"));
+                }
+                cause = source.source();
+            }
+            eprintln!("{:?}", miette::Report::new(InputError::plain(message, None)));
+            ExitCode::from(1)
+        }
+    }
+}
+
+fn run_one(plan: &Plan, options: &Options) -> Result<(), RunError> {
+    let mut progress = Progress::new(&plan.name);
+    let summary = run::run(plan, options, &mut progress);
+    progress.clear();
+    if let Some(summary) = summary? {
+        print_summary(plan, &summary);
+    }
+    Ok(())
+}
+
+fn announce(plan: &Plan, options: &Options) -> Result<(), RunError> {
+    for (stage, reasons) in run::staleness(plan)? {
+        if stage <= options.until {
+            let verb = if options.force || !reasons.is_empty() { "would run" } else { "is fresh" };
+            println!("{}: {stage} {verb}", plan.name);
+        }
+    }
+    Ok(())
+}
+
+fn list(plan: &Plan, reasons_too: bool) -> Result<(), RunError> {
+    for (stage, reasons) in run::staleness(plan)? {
+        let state = if reasons.is_empty() { "fresh" } else { "stale" };
+        println!("{}: {stage:<6} {state}", plan.name);
+        if reasons_too {
+            reasons.iter().for_each(|reason| println!("    {reason}"));
+        }
+    }
+    Ok(())
+}
+
+fn check(plan: &Plan) -> Result<(), RunError> {
+    let (model, boundary, extract) = run::discretised(plan, &Options::default())?;
+    let estimate = Estimate::new(&model, &boundary)?;
+    println!("{}: sound", plan.name);
+    println!("  mesh              Gmsh {}, {} groups", extract.gmsh_version, extract.groups.len());
+    println!("  finite elements   {} with {} nodes", model.elements.len(), model.fe_node_count());
+    println!("  material points   {}", model.areas.len());
+    println!(
+        "  bonds, trusses    {}, {}",
+        model.bond_count,
+        model.springs.len() - model.bond_count
+    );
+    for interface in &model.interfaces {
+        println!(
+            "  interface         `{}` to `{}`: {} edges",
+            model.regions[interface.finite_elements].name,
+            model.regions[interface.peridynamics].name,
+            interface.edges.len()
+        );
+    }
+    println!("  unknowns          {}", estimate.dofs);
+    println!("  factor            {} entries, {:.2e} flops", estimate.factor_entries, estimate.flops);
+    println!("  to expect         {}, {}", megabytes(estimate.bytes), about(estimate.time));
+    Ok(())
+}
+
+fn megabytes(bytes: u64) -> String {
+    format!("{:.0} MB", bytes as f64 / 1e6)
+}
+
+fn about(time: Duration) -> String {
+    format!("about {:.1} s", time.as_secs_f64().max(0.1))
+}
+
+/// Paths and numbers that a person wants to see, to standard output.
+fn print_summary(plan: &Plan, summary: &Value) {
+    let folder = plan.folder.display();
+    println!("\n{}", plan.name);
+    let list = |key: &str| summary[key].as_array().cloned().unwrap_or_default();
+    for probe in list("probes") {
+        print_probe(&probe);
+    }
+    for (group, reaction) in summary["reactions_n"].as_object().into_iter().flatten() {
+        let number = |axis: usize| reaction[axis].as_f64().unwrap_or(0.0);
+        println!("  reaction on {group}: ({:.6e}, {:.6e}) N", number(0), number(1));
+    }
+    for file in list("files").iter().filter_map(Value::as_str).filter(|file| !file.ends_with(".vtu")) {
+        let what = match file.rsplit('.').next() {
+            Some("pvd") => "open it in ParaView",
+            Some("png") => "picture",
+            _ => "sizes, times, versions",
+        };
+        println!("  {folder}/{file}  ({what})");
+    }
+}
+
+fn print_probe(probe: &Value) {
+    let text = |key: &str| probe[key].as_str().unwrap_or("");
+    let number = |key: &str| probe[key].as_f64();
+    let mut line = format!(
+        "  {}: u_{} = {:.5e} m",
+        text("name"),
+        text("component"),
+        number("displacement_m").unwrap_or(f64::NAN)
+    );
+    if let (Some(reference), Some(error)) = (number("reference_m"), number("error")) {
+        line.push_str(&format!("  ({:+.2} % of the reference {reference:.4e} m)", 100.0 * error));
+    }
+    println!("{line}");
+}
+
+/// A line per stage on standard error; a spinner while it runs, where a person watches.
+struct Progress {
+    name: String,
+    spinner: ProgressBar,
+}
+
+impl Progress {
+    fn new(name: &str) -> Progress {
+        let spinner = if std::io::stderr().is_terminal() {
+            ProgressBar::new_spinner()
+        } else {
+            ProgressBar::hidden()
+        };
+        let style = ProgressStyle::with_template("{spinner} {msg} {elapsed}");
+        spinner.set_style(style.expect("the template is well formed"));
+        Progress { name: name.to_owned(), spinner }
+    }
+
+    fn clear(&self) {
+        self.spinner.finish_and_clear();
+    }
+
+    fn line(&self, text: &str) {
+        self.spinner.suspend(|| eprintln!("{}: {text}", self.name));
+    }
+}
+
+impl Observer for Progress {
+    fn starts(&mut self, stage: Stage) {
+        self.spinner.reset_elapsed();
+        self.spinner.set_message(format!("{}: {stage}", self.name));
+        self.spinner.enable_steady_tick(Duration::from_millis(100));
+    }
+
+    fn ends(&mut self, stage: Stage, what: &str, time: Duration) {
+        self.line(&format!("{stage:<6}  {:>7.2} s  {what}", time.as_secs_f64()));
+    }
+
+    fn is_fresh(&mut self, stage: Stage) {
+        self.line(&format!("{stage:<6}    fresh"));
+    }
+
+    fn warns(&mut self, text: &str) {
+        self.line(&format!("warning: {text}"));
+    }
+}

@@ -14,7 +14,7 @@ use vtkio::model::{
 };
 use vtkio::xml::Compressor;
 
-/// Level 1 is a fifth faster but its files are an eighth larger; from 3 on they hardly shrink.
+/// Level 1 is a fifth faster but its files are an eighth larger; 4 and 6 save at most 0.2 %.
 const COMPRESSION_LEVEL: u32 = 2;
 
 /// What a cell of a [`Part`] is.

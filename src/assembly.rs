@@ -28,7 +28,7 @@ pub struct Lists {
 
 impl Lists {
     /// Counting sort of (item, entry) pairs; entries keep their order.
-    fn collect<I: Iterator<Item = (u32, u32)>>(items: usize, pairs: impl Fn() -> I) -> Lists {
+    pub fn collect<I: Iterator<Item = (u32, u32)>>(items: usize, pairs: impl Fn() -> I) -> Lists {
         let mut start = vec![0; items + 1];
         pairs().for_each(|(item, _)| start[item as usize + 1] += 1);
         for i in 0..items {

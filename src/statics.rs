@@ -7,7 +7,6 @@ use crate::linear_solver::ordering::{Ordering, elimination_order};
 use crate::model::Model;
 use crate::phases::{Phases, peak_memory};
 use crate::support::{self, NotHeld};
-use faer::Par;
 use std::collections::BTreeMap;
 use std::time::Duration;
 use thiserror::Error;
@@ -90,8 +89,7 @@ impl Estimate {
         let pattern = Pattern::new(model.node_count(), &model.springs, &elements);
         let stiffness = pattern.assemble(&model.positions, &model.springs, &elements);
         let system = System::new(stiffness, boundary);
-        let symbolic =
-            Symbolic::new(&system.held, &pattern.graph, &model.positions, Ordering::Metis)?;
+        let symbolic = Symbolic::new(&system.held, &pattern.graph, Ordering::Metis)?;
         let (entries, factor_entries) = (pattern.stored_entries(), symbolic.factor_entries());
         let seconds = symbolic.flops() / FACTOR_RATE + entries as f64 / ENTRY_RATE;
         Ok(Estimate {
@@ -124,7 +122,7 @@ pub fn solve(
     let system = phases.measure("supports", || System::new(stiffness, boundary));
     let order = phases
         .measure("ordering", || {
-            elimination_order(Ordering::Metis, &pattern.graph, &model.positions)
+            elimination_order(Ordering::Metis, &pattern.graph)
         })
         .map_err(|status| SolverError::Ordering {
             nodes: pattern.nodes(),
@@ -134,9 +132,7 @@ pub fn solve(
         Symbolic::with_order(&system.held, order.as_deref())
     })?;
     let factor = phases
-        .measure("factorisation", || {
-            symbolic.factorise(&system.held, Par::rayon(0))
-        })
+        .measure("factorisation", || symbolic.factorise(&system.held))
         .map_err(|error| locate(model, &pattern, error))?;
     let (displacement, residual) = phases.measure("solution", || system.solve(&factor));
     let solution = Solution {

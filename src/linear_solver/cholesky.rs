@@ -24,6 +24,9 @@ pub enum SolverError {
     NotPositiveDefinite { dof: usize },
 }
 
+/// Below this a second thread costs more than it brings (docs/performance.md).
+const PARALLEL_FLOPS: f64 = 1e10;
+
 /// The structure of L, from the pattern of K alone.
 #[derive(Clone, Debug)]
 pub struct Symbolic {
@@ -36,14 +39,11 @@ impl Symbolic {
     pub fn new(
         matrix: &LowerMatrix,
         graph: &Lists,
-        positions: &[[f64; 2]],
         ordering: Ordering,
     ) -> Result<Symbolic, SolverError> {
-        let order = elimination_order(ordering, graph, positions).map_err(|status| {
-            SolverError::Ordering {
-                nodes: graph.len(),
-                status,
-            }
+        let order = elimination_order(ordering, graph).map_err(|status| SolverError::Ordering {
+            nodes: graph.len(),
+            status,
         })?;
         Symbolic::with_order(matrix, order.as_deref())
     }
@@ -87,17 +87,35 @@ impl Symbolic {
         let SymbolicCholeskyRaw::Supernodal(supernodes) = self.structure.raw() else {
             return 0.0;
         };
-        let columns = supernodes.supernode_begin().iter().zip(supernodes.supernode_end());
+        let columns = supernodes
+            .supernode_begin()
+            .iter()
+            .zip(supernodes.supernode_end());
         let widths = columns.map(|(&begin, &end)| f64::from(end - begin));
-        let rows = supernodes.col_ptr_for_row_idx().windows(2).map(|w| f64::from(w[1] - w[0]));
-        widths.zip(rows).map(|(w, r)| w * w * w / 3.0 + w * w * r + w * r * r).sum()
+        let rows = supernodes
+            .col_ptr_for_row_idx()
+            .windows(2)
+            .map(|w| f64::from(w[1] - w[0]));
+        widths
+            .zip(rows)
+            .map(|(w, r)| w * w * w / 3.0 + w * w * r + w * r * r)
+            .sum()
+    }
+
+    /// L of a matrix with this pattern, on all threads where the work is worth it.
+    ///
+    /// # Errors
+    /// [`SolverError::NotPositiveDefinite`], [`SolverError::OutOfMemory`].
+    pub fn factorise(&self, matrix: &LowerMatrix) -> Result<Factor, SolverError> {
+        let worth_it = self.flops() > PARALLEL_FLOPS;
+        self.factorise_with(matrix, if worth_it { Par::rayon(0) } else { Par::Seq })
     }
 
     /// L of a matrix with this pattern.
     ///
     /// # Errors
     /// [`SolverError::NotPositiveDefinite`], [`SolverError::OutOfMemory`].
-    pub fn factorise(&self, matrix: &LowerMatrix, par: Par) -> Result<Factor, SolverError> {
+    pub fn factorise_with(&self, matrix: &LowerMatrix, par: Par) -> Result<Factor, SolverError> {
         let out_of_memory = || SolverError::OutOfMemory {
             dofs: matrix.ncols(),
         };

@@ -9,29 +9,19 @@ use faer::perm::Perm;
 pub enum Ordering {
     /// Nested dissection by METIS.
     Metis,
-    /// Nested dissection along the coordinate axes: each cut leaves equal halves.
-    Geometric,
     /// faer's approximate minimum degree, on the dofs.
     Amd,
 }
-
-/// Parts of at most this many nodes are not cut further.
-const LEAF: usize = 64;
 
 /// The nodes in the order of their elimination, postordered along the elimination tree, or `None`
 /// where the factorisation is to order the dofs itself ([`Ordering::Amd`]).
 ///
 /// # Errors
 /// METIS's status.
-pub fn elimination_order(
-    ordering: Ordering,
-    graph: &Lists,
-    positions: &[[f64; 2]],
-) -> Result<Option<Vec<u32>>, i32> {
+pub fn elimination_order(ordering: Ordering, graph: &Lists) -> Result<Option<Vec<u32>>, i32> {
     let order = match ordering {
         Ordering::Amd => return Ok(None),
         Ordering::Metis => metis::nested_dissection(graph)?,
-        Ordering::Geometric => geometric_dissection(graph, positions),
     };
     Ok(Some(postordered(graph, &order)))
 }
@@ -47,78 +37,6 @@ pub fn dof_permutation(order: &[u32]) -> Perm<u32> {
         inverse[old as usize] = new as u32;
     }
     Perm::new_checked(forward.into(), inverse.into(), 2 * order.len())
-}
-
-/// Cuts the nodes at the median of their wider extent; what the first half sees of the second is
-/// the separator, eliminated last (George 1973).
-fn geometric_dissection(graph: &Lists, positions: &[[f64; 2]]) -> Vec<u32> {
-    let mut order = Vec::with_capacity(graph.len());
-    let mut side = vec![0u32; graph.len()];
-    let mut nodes: Vec<u32> = (0..graph.len() as u32).collect();
-    let mut cuts = 0;
-    dissect(
-        graph, positions, &mut nodes, &mut side, &mut cuts, &mut order,
-    );
-    order
-}
-
-fn dissect(
-    graph: &Lists,
-    positions: &[[f64; 2]],
-    nodes: &mut [u32],
-    side: &mut [u32],
-    cuts: &mut u32,
-    order: &mut Vec<u32>,
-) {
-    if nodes.len() <= LEAF {
-        order.extend_from_slice(nodes);
-        return;
-    }
-    let axis = wider_axis(nodes, positions);
-    let coordinate = |&n: &u32| positions[n as usize][axis];
-    let half = nodes.len() / 2;
-    nodes.select_nth_unstable_by(half, |a, b| {
-        coordinate(a).total_cmp(&coordinate(b)).then(a.cmp(b))
-    });
-    let (near, far) = nodes.split_at_mut(half);
-    *cuts += 1;
-    let mark = *cuts;
-    far.iter().for_each(|&n| side[n as usize] = mark);
-    let inner = partition(near, |n| {
-        graph
-            .of(n as usize)
-            .iter()
-            .all(|&m| side[m as usize] != mark)
-    });
-    let mut separator = near[inner..].to_vec();
-    far.iter().for_each(|&n| side[n as usize] = 0);
-    dissect(graph, positions, &mut near[..inner], side, cuts, order);
-    dissect(graph, positions, far, side, cuts, order);
-    separator.sort_unstable();
-    order.extend(separator);
-}
-
-/// Moves what `keep`s to the front, and counts it.
-fn partition(nodes: &mut [u32], keep: impl Fn(u32) -> bool) -> usize {
-    let mut kept = 0;
-    for k in 0..nodes.len() {
-        if keep(nodes[k]) {
-            nodes.swap(k, kept);
-            kept += 1;
-        }
-    }
-    kept
-}
-
-fn wider_axis(nodes: &[u32], positions: &[[f64; 2]]) -> usize {
-    let extent = |axis: usize| {
-        let along = nodes.iter().map(|&n| positions[n as usize][axis]);
-        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-            (low.min(x), high.max(x))
-        });
-        high - low
-    };
-    usize::from(extent(1) > extent(0))
 }
 
 /// Reorders along the elimination tree, children before parents and each subtree in one piece:
@@ -173,4 +91,48 @@ fn elimination_tree(graph: &Lists, order: &[u32]) -> Vec<usize> {
         }
     }
     parent
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The path 0 – 1 – 2 – 3 – 4, eliminated 0, 4, 2, 1, 3: the tree is 0 → 1, 2 → 1, 4 → 3, 1 → 3.
+    #[test]
+    fn the_elimination_tree_of_a_path_is_postordered() {
+        let links = [
+            (0, 1),
+            (1, 0),
+            (1, 2),
+            (2, 1),
+            (2, 3),
+            (3, 2),
+            (3, 4),
+            (4, 3),
+        ];
+        let graph = Lists::collect(5, || links.into_iter());
+        let order = [0, 4, 2, 1, 3];
+        let none = usize::MAX;
+        assert_eq!(elimination_tree(&graph, &order), [3, 4, 3, 4, none]);
+        assert_eq!(postordered(&graph, &order), [4, 0, 2, 1, 3]);
+    }
+
+    #[test]
+    fn metis_orders_every_node_once() {
+        let side = 30;
+        let links = || {
+            (0..side * side).flat_map(|k| {
+                let right = (k % side + 1 < side).then_some((k, k + 1));
+                let up = (k + side < side * side).then_some((k, k + side));
+                right
+                    .into_iter()
+                    .chain(up)
+                    .flat_map(|(a, b)| [(a, b), (b, a)])
+            })
+        };
+        let graph = Lists::collect(900, links);
+        let mut order = elimination_order(Ordering::Metis, &graph).unwrap().unwrap();
+        order.sort_unstable();
+        assert!(order.into_iter().eq(0..900));
+    }
 }

@@ -72,7 +72,7 @@ fn four_kinds() -> Part {
 fn with_all_fields(mut part: Part) -> Part {
     let fields = |count: usize| {
         vec![
-            Field::scalar(FieldName::Damage, awkward_scalars(count)),
+            Field::scalar(FieldName::Area, awkward_scalars(count)),
             Field::vector(FieldName::Displacement, awkward_vectors(count)),
             Field::symmetric_tensor(FieldName::Stress, awkward_tensors(count)),
             Field::integer(

@@ -5,26 +5,12 @@
 pub enum FieldName {
     /// u [m]
     Displacement,
-    /// Force of the supports on the body [N per metre of thickness]
-    Reaction,
-    /// Load on the body [N per metre of thickness]
-    Load,
     /// ε, tensor components, so xy is γ/2 [-]
     Strain,
     /// σ [Pa]
     Stress,
-    /// Largest principal stress [Pa]
-    PrincipalStress,
-    /// Elastic energy per volume [J/m³]
-    EnergyDensity,
-    /// Broken share of a material point's bonds, weighted by volume: 0 intact, 1 separated [-]
-    Damage,
     /// Relative elongation of a bond [-]
     Stretch,
-    /// 1 where a bond is intact, 0 where it is broken [-]
-    Intact,
-    /// Load step at which a bond broke, -1 while it is intact [-]
-    BrokenAtStep,
     /// Stiffness of a bond or truss [N/m]
     Stiffness,
     /// 1 for a truss of the coupling, 0 for a bond [-]
@@ -35,54 +21,36 @@ pub enum FieldName {
     Volume,
     /// Index of the region, in the order of the pipeline [-]
     Region,
-    /// Index of the material, in the order of the pipeline [-]
+    /// Index of the material, in alphabetical order of the names [-]
     Material,
-    /// Index of the node, material point or bond in the computation [-]
-    Index,
 }
 
 impl FieldName {
-    pub const ALL: [FieldName; 18] = [
+    pub const ALL: [FieldName; 10] = [
         FieldName::Displacement,
-        FieldName::Reaction,
-        FieldName::Load,
         FieldName::Strain,
         FieldName::Stress,
-        FieldName::PrincipalStress,
-        FieldName::EnergyDensity,
-        FieldName::Damage,
         FieldName::Stretch,
-        FieldName::Intact,
-        FieldName::BrokenAtStep,
         FieldName::Stiffness,
         FieldName::Truss,
         FieldName::Area,
         FieldName::Volume,
         FieldName::Region,
         FieldName::Material,
-        FieldName::Index,
     ];
 
     pub fn as_str(self) -> &'static str {
         match self {
             FieldName::Displacement => "displacement",
-            FieldName::Reaction => "reaction",
-            FieldName::Load => "load",
             FieldName::Strain => "strain",
             FieldName::Stress => "stress",
-            FieldName::PrincipalStress => "principal_stress",
-            FieldName::EnergyDensity => "energy_density",
-            FieldName::Damage => "damage",
             FieldName::Stretch => "stretch",
-            FieldName::Intact => "intact",
-            FieldName::BrokenAtStep => "broken_at_step",
             FieldName::Stiffness => "stiffness",
             FieldName::Truss => "truss",
             FieldName::Area => "area",
             FieldName::Volume => "volume",
             FieldName::Region => "region_id",
             FieldName::Material => "material_id",
-            FieldName::Index => "index",
         }
     }
 }

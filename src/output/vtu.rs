@@ -341,7 +341,7 @@ mod tests {
     #[test]
     fn the_same_part_gives_the_same_bytes() {
         let mut part = triangle();
-        part.point_data = vec![Field::scalar(FieldName::Damage, vec![0.1, 0.2, 0.3])];
+        part.point_data = vec![Field::scalar(FieldName::Area, vec![0.1, 0.2, 0.3])];
         let bytes = part.to_bytes().expect("valid");
         assert_eq!(bytes, part.clone().to_bytes().expect("valid"));
         assert!(String::from_utf8_lossy(&bytes).contains("vtkZLibDataCompressor"));
@@ -357,8 +357,8 @@ mod tests {
         assert_eq!(message(&part), "the field `displacement` is NaN at point 1");
 
         let mut part = triangle();
-        part.cell_data = vec![Field::scalar(FieldName::Damage, vec![f64::INFINITY])];
-        assert_eq!(message(&part), "the field `damage` is inf at cell 0");
+        part.cell_data = vec![Field::scalar(FieldName::Area, vec![f64::INFINITY])];
+        assert_eq!(message(&part), "the field `area` is inf at cell 0");
 
         let mut part = triangle();
         part.points[2][0] = f64::NEG_INFINITY;
@@ -371,10 +371,13 @@ mod tests {
         part.cell_data = vec![Field::integer(FieldName::Region, vec![0, 1])];
         assert_eq!(
             message(&part),
-            "the field `region` has 2 values for 1 cells"
+            "the field `region_id` has 2 values for 1 cells"
         );
         part.cell_data = vec![Field::integer(FieldName::Region, vec![0]); 2];
-        assert_eq!(message(&part), "the field `region` is given twice on cells");
+        assert_eq!(
+            message(&part),
+            "the field `region_id` is given twice on cells"
+        );
     }
 
     #[test]

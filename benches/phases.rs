@@ -231,7 +231,7 @@ fn factorisation(ordering: Ordering, pattern: &Pattern, matrix: &LowerMatrix, ma
         order();
     });
     row(&format!("ordering: {ordering:?}"), time, memory, None);
-    let analyse = || Symbolic::with_order(matrix, nodes.as_deref()).expect("there is memory");
+    let analyse = || Symbolic::with_order(pattern.symbolic(), nodes.as_deref()).expect("there is memory");
     let (symbolic, memory) = gained(analyse);
     let time = median(|| {
         analyse();

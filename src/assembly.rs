@@ -5,12 +5,19 @@
 //! not depend on the number of threads. Dof = 2 · node + axis.
 
 use crate::springs::{self, Springs};
-use faer::sparse::{SparseColMat, SymbolicSparseColMat};
+use faer::sparse::{SparseColMat, SymbolicSparseColMat, SymbolicSparseColMatRef};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 /// Lower triangle of a symmetric matrix.
 pub type LowerMatrix = SparseColMat<u32, f64>;
+
+/// Mean of the diagonal: the scale of a stiffness matrix.
+pub fn mean_diagonal(matrix: &LowerMatrix) -> f64 {
+    let n = matrix.ncols();
+    // The lower triangle's columns start at their diagonal.
+    (0..n).map(|j| matrix.val_of_col(j)[0]).sum::<f64>() / n as f64
+}
 
 /// An element's nodes and its stiffness [N/m], two rows per node.
 #[derive(Clone, Debug)]
@@ -122,6 +129,11 @@ impl Pattern {
 
     pub fn nodes(&self) -> usize {
         self.graph.len()
+    }
+
+    /// Where the entries of the lower triangle are.
+    pub fn symbolic(&self) -> SymbolicSparseColMatRef<'_, u32> {
+        self.symbolic.as_ref()
     }
 
     /// Stored entries of the lower triangle.

@@ -4,6 +4,7 @@
 //! region. Immutable once built.
 
 use crate::assembly::ElementStiffness;
+use crate::cracks::Cracks;
 use crate::coupling::truss::{InterfaceNode, NodeArea, trusses};
 use crate::fem::element;
 use crate::geometry::{Outline, chords};
@@ -94,6 +95,8 @@ pub struct Model {
     /// Bonds first, then trusses.
     pub springs: Springs,
     pub bond_count: usize,
+    /// Whether each spring is there at the start: false where it meets an initial crack.
+    pub intact: Vec<bool>,
 }
 
 #[derive(Debug, Error)]
@@ -144,13 +147,27 @@ impl Model {
             points: Vec::new(),
             springs: Springs::default(),
             bond_count: 0,
+            intact: Vec::new(),
             mesh,
             regions,
         };
         model.add_finite_elements()?;
         model.add_material_points()?;
         model.add_trusses();
+        model.intact = vec![true; model.springs.len()];
         Ok(model)
+    }
+
+    /// The same model with the bonds and trusses severed that meet a crack.
+    pub fn with_cracks(mut self, cracks: &Cracks) -> Model {
+        let positions = &self.positions;
+        let ends = self.springs.ends.par_iter();
+        let intact = ends.map(|ends| {
+            let [a, b] = ends.map(|node| positions[node as usize]);
+            !cracks.sever(a, b)
+        });
+        self.intact = intact.collect();
+        self
     }
 
     pub fn node_count(&self) -> usize {
@@ -207,6 +224,12 @@ impl Model {
             .iter()
             .find(|p| p.nodes.contains(&node))
             .map(|p| p.region)
+    }
+
+    /// The share of a neighbour's area that counts at the distance `xi` from a material point [-].
+    pub fn area_fraction(&self, node: usize, xi: f64) -> f64 {
+        let points = self.points.iter().find(|p| p.nodes.contains(&node));
+        points.map_or(1.0, |points| points.micromodulus.area_fraction(xi))
     }
 
     fn add_finite_elements(&mut self) -> Result<(), ModelError> {

@@ -19,6 +19,15 @@ impl Springs {
         self.ends.is_empty()
     }
 
+    /// The same springs, those that are not intact without stiffness.
+    pub fn with(&self, intact: &[bool]) -> Springs {
+        let stiffness = self.stiffness.iter().zip(intact);
+        Springs {
+            ends: self.ends.clone(),
+            stiffness: stiffness.map(|(&k, &intact)| if intact { k } else { 0.0 }).collect(),
+        }
+    }
+
     pub fn push(&mut self, ends: [u32; 2], stiffness: f64) {
         self.ends.push(ends);
         self.stiffness.push(stiffness);

@@ -1,13 +1,13 @@
 //! One static solve, without artificial damping: K U = R, Qian et al. (2021), eq. (11).
 
-use crate::assembly::{LowerMatrix, Pattern};
+use crate::assembly::{ElementStiffness, LowerMatrix, Pattern, mean_diagonal};
 use crate::boundary::Boundary;
 use crate::linear_solver::cholesky::{Factor, SolverError, Symbolic};
 use crate::linear_solver::ordering::{Ordering, elimination_order};
 use crate::model::Model;
 use crate::phases::{Phases, peak_memory};
 use crate::support::{self, NotHeld};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 use thiserror::Error;
 
@@ -21,6 +21,19 @@ pub struct Solution {
     /// ‖K u − f‖₂ / ‖f‖₂ over the free dofs, prescribed displacements in f.
     pub residual: f64,
     pub size: SystemSize,
+}
+
+impl Solution {
+    /// Q = fᵀu + Σ reaction · prescribed displacement: the force conjugate to the load factor, twice
+    /// the elastic energy [J].
+    pub fn conjugate_force(&self, boundary: &Boundary) -> f64 {
+        let loads = boundary.load.iter().enumerate();
+        let by_loads: f64 = loads.map(|(dof, f)| f * self.displacement[dof / 2][dof % 2]).sum();
+        let supports = boundary.prescribed.iter();
+        let by_supports: f64 =
+            supports.map(|(&dof, (value, _))| value * self.reaction[dof / 2][dof % 2]).sum();
+        by_loads + by_supports
+    }
 }
 
 /// Sizes of the linear system.
@@ -87,13 +100,11 @@ impl Estimate {
     pub fn new(model: &Model, boundary: &Boundary) -> Result<Estimate, StaticsError> {
         let elements = model.element_stiffness();
         let pattern = Pattern::new(model.node_count(), &model.springs, &elements);
-        let stiffness = pattern.assemble(&model.positions, &model.springs, &elements);
-        let system = System::new(stiffness, boundary);
-        let symbolic = Symbolic::new(&system.held, &pattern.graph, Ordering::Metis)?;
+        let symbolic = Symbolic::new(pattern.symbolic(), &pattern.graph, Ordering::Metis)?;
         let (entries, factor_entries) = (pattern.stored_entries(), symbolic.factor_entries());
         let seconds = symbolic.flops() / FACTOR_RATE + entries as f64 / ENTRY_RATE;
         Ok(Estimate {
-            dofs: system.load.len(),
+            dofs: boundary.load.len(),
             factor_entries,
             flops: symbolic.flops(),
             bytes: peak_memory().unwrap_or(0) + 8 * factor_entries as u64,
@@ -102,7 +113,7 @@ impl Estimate {
     }
 }
 
-/// Assembles and solves.
+/// Assembles and solves once, initial cracks open.
 ///
 /// # Errors
 /// See [`StaticsError`].
@@ -111,43 +122,130 @@ pub fn solve(
     boundary: &Boundary,
     phases: &mut Phases,
 ) -> Result<Solution, StaticsError> {
-    phases.measure("support", || support::check(model, boundary))?;
-    let elements = phases.measure("elements", || model.element_stiffness());
-    let pattern = phases.measure("pattern", || {
-        Pattern::new(model.node_count(), &model.springs, &elements)
-    });
-    let stiffness = phases.measure("assembly", || {
-        pattern.assemble(&model.positions, &model.springs, &elements)
-    });
-    let system = phases.measure("supports", || System::new(stiffness, boundary));
-    let order = phases
-        .measure("ordering", || {
-            elimination_order(Ordering::Metis, &pattern.graph)
-        })
-        .map_err(|status| SolverError::Ordering {
-            nodes: pattern.nodes(),
-            status,
-        })?;
-    let symbolic = phases.measure("symbolic", || {
-        Symbolic::with_order(&system.held, order.as_deref())
+    let unsupported = phases.measure("support", || {
+        support::check(model, boundary).map(|()| support::fragments(model, boundary, &model.intact))
     })?;
-    let factor = phases
-        .measure("factorisation", || symbolic.factorise(&system.held))
-        .map_err(|error| locate(model, &pattern, error))?;
-    let (displacement, residual) = phases.measure("solution", || system.solve(&factor));
-    let solution = Solution {
-        reaction: system.reaction(&displacement),
-        displacement: vectors(&displacement),
-        residual,
-        size: SystemSize {
-            dofs: system.load.len(),
-            stiffness_entries: pattern.stored_entries(),
-            factor_entries: symbolic.factor_entries(),
-        },
-    };
-    check(model, &solution)?;
-    Ok(solution)
+    Solver::new(model, boundary, phases)?.solve(&model.intact, &unsupported, phases)
 }
+
+/// What stays the same while bonds break: elements, the pattern of K, the structure of L.
+pub struct Solver<'a> {
+    model: &'a Model,
+    boundary: &'a Boundary,
+    elements: Vec<ElementStiffness>,
+    pattern: Pattern,
+    symbolic: Symbolic,
+}
+
+impl<'a> Solver<'a> {
+    /// # Errors
+    /// [`SolverError::Ordering`], [`SolverError::OutOfMemory`].
+    pub fn new(
+        model: &'a Model,
+        boundary: &'a Boundary,
+        phases: &mut Phases,
+    ) -> Result<Solver<'a>, StaticsError> {
+        let elements = phases.measure("elements", || model.element_stiffness());
+        let pattern = phases.measure("pattern", || {
+            Pattern::new(model.node_count(), &model.springs, &elements)
+        });
+        let order = phases
+            .measure("ordering", || elimination_order(Ordering::Metis, &pattern.graph))
+            .map_err(|status| SolverError::Ordering { nodes: pattern.nodes(), status })?;
+        let symbolic = phases.measure("symbolic", || {
+            Symbolic::with_order(pattern.symbolic(), order.as_deref())
+        })?;
+        Ok(Solver { model, boundary, elements, pattern, symbolic })
+    }
+
+    /// Solves with the springs that are `intact`; the nodes of `pinned` parts, which nothing holds,
+    /// do not move.
+    ///
+    /// # Errors
+    /// See [`StaticsError`]; a mechanism is one.
+    pub fn solve(
+        &self,
+        intact: &[bool],
+        pinned: &[Vec<usize>],
+        phases: &mut Phases,
+    ) -> Result<Solution, StaticsError> {
+        let system = self.system(intact, pinned, &BTreeSet::new(), phases);
+        let factor = phases.measure("factorisation", || self.symbolic.factorise(&system.held));
+        let factor = factor.map_err(|error| locate(self.model, &self.pattern, error))?;
+        self.finish(&system, &factor, phases)
+    }
+
+    /// The same for a body in which bonds break: a chunk may hang on a hinge. K is positive
+    /// semidefinite, so that a pivot vanishes where such a mechanism begins, and holding that dof
+    /// holds it: without force, for no load acts along it, which the residual of the free system
+    /// confirms. `mechanisms` collects these dofs; since bonds never heal, they stay.
+    ///
+    /// # Errors
+    /// See [`StaticsError`].
+    pub fn solve_broken(
+        &self,
+        intact: &[bool],
+        pinned: &[Vec<usize>],
+        mechanisms: &mut BTreeSet<usize>,
+        phases: &mut Phases,
+    ) -> Result<Solution, StaticsError> {
+        loop {
+            let system = self.system(intact, pinned, mechanisms, phases);
+            let factor = phases.measure("factorisation", || self.symbolic.factorise(&system.held));
+            let found = match &factor {
+                Ok(factor) => factor.pivots_below(VANISHING * mean_diagonal(&system.stiffness)),
+                Err(SolverError::NotPositiveDefinite { dof }) => vec![*dof],
+                Err(_) => Vec::new(),
+            };
+            let known = mechanisms.len();
+            mechanisms.extend(found);
+            if mechanisms.len() == known {
+                let factor = factor.map_err(|error| locate(self.model, &self.pattern, error))?;
+                return self.finish(&system, &factor, phases);
+            }
+        }
+    }
+
+    fn system(
+        &self,
+        intact: &[bool],
+        pinned: &[Vec<usize>],
+        mechanisms: &BTreeSet<usize>,
+        phases: &mut Phases,
+    ) -> System<'_> {
+        let Solver { model, boundary, elements, pattern, .. } = self;
+        let stiffness = phases.measure("assembly", || {
+            let springs = model.springs.with(intact);
+            pattern.assemble(&model.positions, &springs, elements)
+        });
+        phases.measure("supports", || System::new(stiffness, boundary, pinned, mechanisms))
+    }
+
+    fn finish(
+        &self,
+        system: &System,
+        factor: &Factor,
+        phases: &mut Phases,
+    ) -> Result<Solution, StaticsError> {
+        let (displacement, residual) = phases.measure("solution", || system.solve(factor));
+        let solution = Solution {
+            reaction: system.reaction(&displacement),
+            displacement: vectors(&displacement),
+            residual,
+            size: SystemSize {
+                dofs: system.load.len(),
+                stiffness_entries: self.pattern.stored_entries(),
+                factor_entries: self.symbolic.factor_entries(),
+            },
+        };
+        check(self.model, &solution)?;
+        Ok(solution)
+    }
+}
+
+/// Pivots below this share of the mean diagonal vanish: rounding leaves 1e-14 of it, and the softest
+/// motion of a body of 10⁶ nodes 1e-7.
+const VANISHING: f64 = 1e-11;
 
 fn check(model: &Model, solution: &Solution) -> Result<(), StaticsError> {
     let finite = |u: &[f64; 2]| u[0].is_finite() && u[1].is_finite();
@@ -203,13 +301,24 @@ struct System<'a> {
 }
 
 impl System<'_> {
-    fn new(stiffness: LowerMatrix, boundary: &Boundary) -> System<'_> {
+    fn new<'a>(
+        stiffness: LowerMatrix,
+        boundary: &'a Boundary,
+        pinned: &[Vec<usize>],
+        mechanisms: &BTreeSet<usize>,
+    ) -> System<'a> {
         let mut prescribed = vec![None; stiffness.ncols()];
+        for &node in pinned.iter().flatten() {
+            prescribed[2 * node] = Some(0.0);
+            prescribed[2 * node + 1] = Some(0.0);
+        }
         for (&dof, &(value, _)) in &boundary.prescribed {
             prescribed[dof] = Some(value);
         }
         let diagonal = mean_diagonal(&stiffness);
-        let held = hold(&stiffness, &prescribed, diagonal);
+        let mut is_held: Vec<bool> = prescribed.iter().map(Option::is_some).collect();
+        mechanisms.iter().for_each(|&dof| is_held[dof] = true);
+        let held = hold(&stiffness, &is_held, diagonal);
         System {
             stiffness,
             held,
@@ -289,21 +398,15 @@ fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-fn mean_diagonal(matrix: &LowerMatrix) -> f64 {
-    let n = matrix.ncols();
-    // The lower triangle's columns start at their diagonal.
-    (0..n).map(|j| matrix.val_of_col(j)[0]).sum::<f64>() / n as f64
-}
-
-/// Clears the rows and columns of prescribed dofs and puts `diagonal` there, on the same pattern.
-fn hold(matrix: &LowerMatrix, prescribed: &[Option<f64>], diagonal: f64) -> LowerMatrix {
+/// Clears the rows and columns of held dofs and puts `diagonal` there, on the same pattern.
+fn hold(matrix: &LowerMatrix, is_held: &[bool], diagonal: f64) -> LowerMatrix {
     let mut held = matrix.clone();
     let (symbolic, values) = held.parts_mut();
     for column in 0..symbolic.ncols() {
         let range = symbolic.col_range(column);
         let rows = &symbolic.row_idx()[range.clone()];
         for (&row, value) in rows.iter().zip(&mut values[range]) {
-            if prescribed[column].is_some() || prescribed[row as usize].is_some() {
+            if is_held[column] || is_held[row as usize] {
                 *value = if row as usize == column {
                     diagonal
                 } else {

@@ -69,13 +69,10 @@ const FREE: f64 = 1e-12;
 /// # Errors
 /// The first part that can still move.
 pub fn check(model: &Model, boundary: &Boundary) -> Result<(), NotHeld> {
-    let part_of = connected_parts(model);
-    let mut parts: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-    for (node, &part) in part_of.iter().enumerate() {
-        parts.entry(part).or_default().push(node);
-    }
+    let uncracked = vec![true; model.springs.len()];
+    let parts = connected_parts(model, &uncracked);
     let whole = parts.len() == 1;
-    for nodes in parts.values() {
+    for nodes in &parts {
         let (free, touched) = free_motions(model, boundary, nodes);
         if !free.is_empty() {
             return Err(NotHeld {
@@ -89,24 +86,36 @@ pub fn check(model: &Model, boundary: &Boundary) -> Result<(), NotHeld> {
     Ok(())
 }
 
-/// The lowest node connected to each node by springs with stiffness and by elements.
-pub fn connected_parts(model: &Model) -> Vec<u32> {
+/// The parts of the body that the springs still intact tie to nothing that holds them: what has
+/// broken off.
+pub fn fragments(model: &Model, boundary: &Boundary, intact: &[bool]) -> Vec<Vec<usize>> {
+    let mut parts = connected_parts(model, intact);
+    parts.retain(|nodes| !free_motions(model, boundary, nodes).0.is_empty());
+    parts
+}
+
+/// The sets of nodes that elements and intact springs with stiffness connect, ordered by their
+/// lowest node.
+fn connected_parts(model: &Model, intact: &[bool]) -> Vec<Vec<usize>> {
     let mut parent: Vec<u32> = (0..model.node_count() as u32).collect();
     let mut join = |a: u32, b: u32| {
         let (a, b) = (root(&mut parent, a), root(&mut parent, b));
         parent[a.max(b) as usize] = a.min(b);
     };
-    let springs = model.springs.ends.iter().zip(&model.springs.stiffness);
-    springs
-        .filter(|&(_, &k)| k != 0.0)
-        .for_each(|(&[a, b], _)| join(a, b));
+    for (s, &[a, b]) in model.springs.ends.iter().enumerate() {
+        if intact[s] && model.springs.stiffness[s] != 0.0 {
+            join(a, b);
+        }
+    }
     for element in 0..model.elements.len() {
         let nodes = model.element_nodes(element);
         nodes.windows(2).for_each(|pair| join(pair[0], pair[1]));
     }
-    (0..model.node_count() as u32)
-        .map(|node| root(&mut parent, node))
-        .collect()
+    let mut parts: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for node in 0..model.node_count() as u32 {
+        parts.entry(root(&mut parent, node)).or_default().push(node as usize);
+    }
+    parts.into_values().collect()
 }
 
 fn root(parent: &mut [u32], mut node: u32) -> u32 {

@@ -4,7 +4,9 @@ use super::ordering::{Ordering, dof_permutation, elimination_order};
 use crate::assembly::{Lists, LowerMatrix};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
+use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
@@ -37,7 +39,7 @@ impl Symbolic {
     /// # Errors
     /// See [`SolverError`].
     pub fn new(
-        matrix: &LowerMatrix,
+        pattern: SymbolicSparseColMatRef<'_, u32>,
         graph: &Lists,
         ordering: Ordering,
     ) -> Result<Symbolic, SolverError> {
@@ -45,7 +47,7 @@ impl Symbolic {
             nodes: graph.len(),
             status,
         })?;
-        Symbolic::with_order(matrix, order.as_deref())
+        Symbolic::with_order(pattern, order.as_deref())
     }
 
     /// `order`: the nodes as they are eliminated; `None` leaves it to faer's AMD.
@@ -53,7 +55,7 @@ impl Symbolic {
     /// # Errors
     /// See [`SolverError`].
     pub fn with_order(
-        matrix: &LowerMatrix,
+        pattern: SymbolicSparseColMatRef<'_, u32>,
         order: Option<&[u32]>,
     ) -> Result<Symbolic, SolverError> {
         let permutation = order.map(dof_permutation);
@@ -66,9 +68,9 @@ impl Symbolic {
             ..Default::default()
         };
         let structure =
-            factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, ordering, params).map_err(
+            factorize_symbolic_cholesky(pattern, Side::Lower, ordering, params).map_err(
                 |_| SolverError::OutOfMemory {
-                    dofs: matrix.ncols(),
+                    dofs: pattern.ncols(),
                 },
             )?;
         Ok(Symbolic {
@@ -102,20 +104,28 @@ impl Symbolic {
             .sum()
     }
 
-    /// L of a matrix with this pattern, on all threads where the work is worth it.
-    ///
-    /// # Errors
-    /// [`SolverError::NotPositiveDefinite`], [`SolverError::OutOfMemory`].
-    pub fn factorise(&self, matrix: &LowerMatrix) -> Result<Factor, SolverError> {
-        let worth_it = self.flops() > PARALLEL_FLOPS;
-        self.factorise_with(matrix, if worth_it { Par::rayon(0) } else { Par::Seq })
-    }
-
     /// L of a matrix with this pattern.
     ///
     /// # Errors
     /// [`SolverError::NotPositiveDefinite`], [`SolverError::OutOfMemory`].
-    pub fn factorise_with(&self, matrix: &LowerMatrix, par: Par) -> Result<Factor, SolverError> {
+    pub fn factorise(&self, matrix: &LowerMatrix) -> Result<Factor, SolverError> {
+        self.factorise_with(matrix, self.par())
+    }
+
+    /// All threads where the work is worth it.
+    fn par(&self) -> Par {
+        if self.flops() > PARALLEL_FLOPS { Par::rayon(0) } else { Par::Seq }
+    }
+
+    /// The same with a given parallelism: for benchmarks.
+    ///
+    /// # Errors
+    /// As [`Symbolic::factorise`].
+    pub fn factorise_with(
+        &self,
+        matrix: &LowerMatrix,
+        par: Par,
+    ) -> Result<Factor, SolverError> {
         let out_of_memory = || SolverError::OutOfMemory {
             dofs: matrix.ncols(),
         };
@@ -147,11 +157,13 @@ impl Symbolic {
     }
 
     fn not_positive(&self, LltError::NonPositivePivot { index }: LltError) -> SolverError {
-        let eliminated = self.structure.perm().map(|p| p.arrays().0[index] as usize);
-        SolverError::NotPositiveDefinite {
-            dof: eliminated.unwrap_or(index),
-        }
+        SolverError::NotPositiveDefinite { dof: dof_at(&self.structure, index) }
     }
+}
+
+/// The dof that is eliminated at a position.
+fn dof_at(structure: &SymbolicCholesky<u32>, position: usize) -> usize {
+    structure.perm().map_or(position, |p| p.arrays().0[position] as usize)
 }
 
 /// L.
@@ -163,6 +175,23 @@ pub struct Factor {
 }
 
 impl Factor {
+    /// The dofs whose pivot is below `limit` [N/m], ascending: near-singular motions begin there.
+    pub fn pivots_below(&self, limit: f64) -> Vec<usize> {
+        let SymbolicCholeskyRaw::Supernodal(supernodes) = self.structure.raw() else {
+            return Vec::new();
+        };
+        let factor = SupernodalLltRef::new(supernodes, &self.values);
+        let small = (0..supernodes.n_supernodes()).flat_map(|s| {
+            let supernode = factor.supernode(s);
+            let columns = 0..supernode.val().ncols();
+            let small = columns.filter(move |&k| supernode.val()[(k, k)].powi(2) < limit);
+            small.map(move |k| supernode.start() + k)
+        });
+        let mut dofs: Vec<usize> = small.map(|k| dof_at(&self.structure, k)).collect();
+        dofs.sort_unstable();
+        dofs
+    }
+
     /// Overwrites `rhs` by K⁻¹ rhs.
     pub fn solve_in_place(&self, rhs: &mut [f64]) {
         let mut memory = MemBuffer::new(self.structure.solve_in_place_scratch::<f64>(1, self.par));

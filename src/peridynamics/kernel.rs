@@ -41,6 +41,17 @@ impl Kernel {
         }
     }
 
+    /// M3 / δ⁴ = ∫₀¹ g r³ dr [-].
+    pub fn third_moment(self) -> f64 {
+        match self {
+            Kernel::Quartic => 1.0 / 24.0,
+            Kernel::Constant => 1.0 / 4.0,
+            Kernel::Linear => 1.0 / 20.0,
+            Kernel::Parabolic => 1.0 / 12.0,
+            Kernel::Inverse => 1.0 / 3.0,
+        }
+    }
+
     /// M2 / δ³ = ∫₀¹ g r² dr [-].
     pub fn second_moment(self) -> f64 {
         match self {
@@ -109,6 +120,11 @@ impl Micromodulus {
             PartialArea::Hhb => self.horizon + 0.5 * self.spacing,
         };
         longest * (1.0 + REACH_TOLERANCE)
+    }
+
+    /// M3 = ∫₀^δ g ξ³ dξ [m⁴], which links the energy release rate to the critical stretch.
+    pub fn third_moment(&self) -> f64 {
+        self.kernel.third_moment() * self.horizon.powi(4)
     }
 
     /// The share of a neighbour's area that counts at the distance `xi` [-].

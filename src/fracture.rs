@@ -1,0 +1,8 @@
+//! Quasi-static fracture: solve, break what is over its limit, solve again.
+//!
+//! Between two breaks the response is linear in the load factor λ, so that one solve for λ = 1
+//! serves until the next bond breaks: u(λ) = λ u_1.
+
+pub mod control;
+pub mod failure;
+pub mod state;

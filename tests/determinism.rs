@@ -1,5 +1,5 @@
 //! The same model gives the same bits, whatever the number of threads: bonds, displacements and
-//! reactions, in pools of one, two and three. Bits are compared; there is no tolerance.
+//! reactions, in pools of one, two and three; and whatever else runs at the same time. Bits are compared; there is no tolerance.
 //!
 //! The order of the mesh's nodes and cells may change the order of sums, and so the last bits, but
 //! no more: displacements of a renumbered mesh agree to 1e-11 of the largest.
@@ -7,8 +7,10 @@
 mod common;
 
 use common::*;
+use peristitch::assembly::Pattern;
 use peristitch::boundary::Boundary;
 use peristitch::fem::edge::EdgeLoad;
+use peristitch::linear_solver::ordering::{Ordering, elimination_order};
 use peristitch::material::PlaneState;
 use peristitch::mesh::{Cell, CellKind, Edge, Mesh};
 use peristitch::model::{Method, Model};
@@ -123,6 +125,26 @@ fn the_hybrid_gives_the_same_bits_on_any_number_of_threads() {
 #[test]
 fn the_lattice_gives_the_same_bits_on_any_number_of_threads() {
     assert_same_bits(lattice);
+}
+
+/// METIS keeps one random state for the whole process.
+#[test]
+fn solves_at_the_same_time_do_not_disturb_each_other() {
+    let model = hybrid(cantilever());
+    let pattern = Pattern::new(
+        model.node_count(),
+        &model.springs,
+        &model.element_stiffness(),
+    );
+    let order = || elimination_order(Ordering::Metis, &pattern.graph, &model.positions);
+    let alone = order();
+    assert!(matches!(alone, Ok(Some(_))));
+    std::thread::scope(|scope| {
+        let running: Vec<_> = (0..8).map(|_| scope.spawn(order)).collect();
+        for thread in running {
+            assert!(thread.join().expect("no panic") == alone);
+        }
+    });
 }
 
 /// Nodes and cells in another order, names kept.

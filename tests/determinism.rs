@@ -1,8 +1,10 @@
-//! The same model gives the same bits, whatever the number of threads: bonds, displacements and
-//! reactions, in pools of one, two and three; and whatever else runs at the same time. Bits are compared; there is no tolerance.
+//! The same model gives the same bits, whatever the number of threads and whatever else runs at the
+//! same time: bonds, displacements and reactions, in pools of one, two and three. Bits are compared;
+//! there is no tolerance.
 //!
 //! The order of the mesh's nodes and cells may change the order of sums, and so the last bits, but
-//! no more: displacements of a renumbered mesh agree to 1e-11 of the largest.
+//! no more: displacements of a renumbered mesh agree to 2e-12 of the largest; 4e-14 to
+//! 4e-13 was measured.
 
 mod common;
 
@@ -215,5 +217,5 @@ fn renumbering_the_mesh_changes_no_more_than_rounding() {
     }
     assert!(moved > first.fe_node_count() / 2);
     // Condition number 1e6, refined to a residual of 1e-14.
-    assert!(error < 1e-11, "{error:e}");
+    assert!(error < 2e-12, "{error:e}");
 }

@@ -27,8 +27,8 @@
 //! and every figure doubles. No weight makes the coupling exact: a node's trusses fill half a disc, and
 //! half a disc in tension carries the stress ratio 1/2, not 1/3.
 //!
-//! The figures are sums of a fixed lattice: half a unit of the last digit is the tolerance, 2.6e-15 is
-//! what elements in the island leave.
+//! The figures are sums of a fixed lattice: half a unit of the last digit is the tolerance. Elements in
+//! the island leave 3e-15 at most: what is measured is the coupling, not the surroundings.
 
 mod common;
 
@@ -96,7 +96,7 @@ fn assert_errors(kind: CellKind, h: usize, node_area: NodeArea, percent: [f64; 3
 fn elements_in_the_island_are_exact() {
     for kind in CellKind::ALL {
         for error in errors(kind, 4, NodeArea::Lumped, Method::FiniteElements) {
-            assert!(error <= 1e-13, "{kind:?}: {error:e}");
+            assert!(error <= 2e-14, "{kind:?}: {error:e}");
         }
     }
 }

@@ -25,7 +25,8 @@ pub enum SolverError {
 }
 
 /// The least pivot L_jj² over K_jj. A singular K leaves pivots of rounding size, some 1e-16, of either
-/// sign; that of a body which is held is 1e-10 at worst (a strip a thousand times as long as wide).
+/// sign. A body that is held has larger ones: beam theory gives some 1e-10 for a cantilever a thousand
+/// times as long as deep, and they fall with the cube of that ratio.
 const LEAST_PIVOT: f64 = 1e-13;
 
 /// The structure of L, from the pattern of K alone.

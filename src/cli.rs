@@ -76,7 +76,11 @@ struct Common {
 
 impl Common {
     fn plan(&self, pipeline: &Path) -> Result<Plan, RunError> {
-        Ok(Plan::read(pipeline, &self.overrides, self.results.as_deref())?)
+        Ok(Plan::read(
+            pipeline,
+            &self.overrides,
+            self.results.as_deref(),
+        )?)
     }
 }
 
@@ -100,14 +104,28 @@ impl From<StageName> for Stage {
 /// Parses the arguments and does what they say.
 pub fn main() -> ExitCode {
     match Cli::parse().command {
-        Command::Run { common, until, force, dry_run, threads } => {
+        Command::Run {
+            common,
+            until,
+            force,
+            dry_run,
+            threads,
+        } => {
             if let Some(threads) = threads {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
                 pool.build_global().expect("no parallel work has begun yet");
             }
-            let options = Options { until: until.into(), force, ..Options::default() };
+            let options = Options {
+                until: until.into(),
+                force,
+                ..Options::default()
+            };
             for_each(&common, |plan| {
-                if dry_run { announce(plan, &options) } else { run_one(plan, &options) }
+                if dry_run {
+                    announce(plan, &options)
+                } else {
+                    run_one(plan, &options)
+                }
             })
         }
         Command::Check(common) => for_each(&common, check),
@@ -154,7 +172,10 @@ fn report(error: RunError) -> ExitCode {
                 }
                 cause = source.source();
             }
-            eprintln!("{:?}", miette::Report::new(InputError::plain(message, None)));
+            eprintln!(
+                "{:?}",
+                miette::Report::new(InputError::plain(message, None))
+            );
             ExitCode::from(1)
         }
     }
@@ -173,7 +194,11 @@ fn run_one(plan: &Plan, options: &Options) -> Result<(), RunError> {
 fn announce(plan: &Plan, options: &Options) -> Result<(), RunError> {
     for (stage, reasons) in run::staleness(plan)? {
         if stage <= options.until {
-            let verb = if options.force || !reasons.is_empty() { "would run" } else { "is fresh" };
+            let verb = if options.force || !reasons.is_empty() {
+                "would run"
+            } else {
+                "is fresh"
+            };
             println!("{}: {stage} {verb}", plan.name);
         }
     }
@@ -195,8 +220,16 @@ fn check(plan: &Plan) -> Result<(), RunError> {
     let (model, boundary, extract) = run::discretised(plan, &Options::default())?;
     let estimate = Estimate::new(&model, &boundary)?;
     println!("{}: sound", plan.name);
-    println!("  mesh              Gmsh {}, {} groups", extract.gmsh_version, extract.groups.len());
-    println!("  finite elements   {} with {} nodes", model.elements.len(), model.fe_node_count());
+    println!(
+        "  mesh              Gmsh {}, {} groups",
+        extract.gmsh_version,
+        extract.groups.len()
+    );
+    println!(
+        "  finite elements   {} with {} nodes",
+        model.elements.len(),
+        model.fe_node_count()
+    );
     println!("  material points   {}", model.areas.len());
     println!(
         "  bonds, trusses    {}, {}",
@@ -212,8 +245,15 @@ fn check(plan: &Plan) -> Result<(), RunError> {
         );
     }
     println!("  unknowns          {}", estimate.dofs);
-    println!("  factor            {} entries, {:.2e} flops", estimate.factor_entries, estimate.flops);
-    println!("  to expect         {}, {}", megabytes(estimate.bytes), about(estimate.time));
+    println!(
+        "  factor            {} entries, {:.2e} flops",
+        estimate.factor_entries, estimate.flops
+    );
+    println!(
+        "  to expect         {}, {}",
+        megabytes(estimate.bytes),
+        about(estimate.time)
+    );
     Ok(())
 }
 
@@ -235,9 +275,17 @@ fn print_summary(plan: &Plan, summary: &Value) {
     }
     for (group, reaction) in summary["reactions_n"].as_object().into_iter().flatten() {
         let number = |axis: usize| reaction[axis].as_f64().unwrap_or(0.0);
-        println!("  reaction on {group}: ({:.6e}, {:.6e}) N", number(0), number(1));
+        println!(
+            "  reaction on {group}: ({:.6e}, {:.6e}) N",
+            number(0),
+            number(1)
+        );
     }
-    for file in list("files").iter().filter_map(Value::as_str).filter(|file| !file.ends_with(".vtu")) {
+    for file in list("files")
+        .iter()
+        .filter_map(Value::as_str)
+        .filter(|file| !file.ends_with(".vtu"))
+    {
         let what = match file.rsplit('.').next() {
             Some("pvd") => "open it in ParaView",
             Some("png") => "picture",
@@ -257,7 +305,10 @@ fn print_probe(probe: &Value) {
         number("displacement_m").unwrap_or(f64::NAN)
     );
     if let (Some(reference), Some(error)) = (number("reference_m"), number("error")) {
-        line.push_str(&format!("  ({:+.2} % of the reference {reference:.4e} m)", 100.0 * error));
+        line.push_str(&format!(
+            "  ({:+.2} % of the reference {reference:.4e} m)",
+            100.0 * error
+        ));
     }
     println!("{line}");
 }
@@ -277,7 +328,10 @@ impl Progress {
         };
         let style = ProgressStyle::with_template("{spinner} {msg} {elapsed}");
         spinner.set_style(style.expect("the template is well formed"));
-        Progress { name: name.to_owned(), spinner }
+        Progress {
+            name: name.to_owned(),
+            spinner,
+        }
     }
 
     fn clear(&self) {
@@ -297,7 +351,10 @@ impl Observer for Progress {
     }
 
     fn ends(&mut self, stage: Stage, what: &str, time: Duration) {
-        self.line(&format!("{stage:<6}  {:>7.2} s  {what}", time.as_secs_f64()));
+        self.line(&format!(
+            "{stage:<6}  {:>7.2} s  {what}",
+            time.as_secs_f64()
+        ));
     }
 
     fn is_fresh(&mut self, stage: Stage) {

@@ -36,7 +36,11 @@ impl NodalFields {
                     fields.nodes.len() - 1
                 })
             };
-            let nodes = model.element_nodes(element).into_iter().map(copy_of).collect();
+            let nodes = model
+                .element_nodes(element)
+                .into_iter()
+                .map(copy_of)
+                .collect();
             fields.element_copies.push(nodes);
         }
         let mean = fields.mean_strain(model, displacement);
@@ -52,10 +56,16 @@ impl NodalFields {
         let of_element = |element: usize| {
             let nodes = model.element_nodes(element);
             let u: Vec<[f64; 2]> = nodes.iter().map(|&n| displacement[n as usize]).collect();
-            nodal_strain(model.cell(element).kind, &model.element_coordinates(element), &u)
+            nodal_strain(
+                model.cell(element).kind,
+                &model.element_coordinates(element),
+                &u,
+            )
         };
-        let strains: Vec<Vec<Vector3<f64>>> =
-            (0..model.elements.len()).into_par_iter().map(of_element).collect();
+        let strains: Vec<Vec<Vector3<f64>>> = (0..model.elements.len())
+            .into_par_iter()
+            .map(of_element)
+            .collect();
         let mut sum = vec![(Vector3::zeros(), 0.0); self.nodes.len()];
         for (copies, strains) in self.element_copies.iter().zip(&strains) {
             for (&copy, strain) in copies.iter().zip(strains) {
@@ -63,14 +73,19 @@ impl NodalFields {
                 sum[copy].1 += 1.0;
             }
         }
-        sum.into_iter().map(|(strain, count)| strain / count).collect()
+        sum.into_iter()
+            .map(|(strain, count)| strain / count)
+            .collect()
     }
 }
 
 /// The first region with the same material as the element's.
 fn material_index(model: &Model, element: usize) -> usize {
     let material = model.regions[model.elements[element].0].material;
-    let same = model.regions.iter().position(|region| region.material == material);
+    let same = model
+        .regions
+        .iter()
+        .position(|region| region.material == material);
     same.expect("the element's own region has its material")
 }
 

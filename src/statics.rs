@@ -90,8 +90,12 @@ impl Estimate {
         let pattern = Pattern::new(model.node_count(), &model.springs, &elements);
         let stiffness = pattern.assemble(&model.positions, &model.springs, &elements);
         let system = System::new(stiffness, boundary);
-        let symbolic =
-            Symbolic::new(&system.held, &pattern.graph, &model.positions, Ordering::Metis)?;
+        let symbolic = Symbolic::new(
+            &system.held,
+            &pattern.graph,
+            &model.positions,
+            Ordering::Metis,
+        )?;
         let (entries, factor_entries) = (pattern.stored_entries(), symbolic.factor_entries());
         let seconds = symbolic.flops() / FACTOR_RATE + entries as f64 / ENTRY_RATE;
         Ok(Estimate {

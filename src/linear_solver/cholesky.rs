@@ -87,10 +87,19 @@ impl Symbolic {
         let SymbolicCholeskyRaw::Supernodal(supernodes) = self.structure.raw() else {
             return 0.0;
         };
-        let columns = supernodes.supernode_begin().iter().zip(supernodes.supernode_end());
+        let columns = supernodes
+            .supernode_begin()
+            .iter()
+            .zip(supernodes.supernode_end());
         let widths = columns.map(|(&begin, &end)| f64::from(end - begin));
-        let rows = supernodes.col_ptr_for_row_idx().windows(2).map(|w| f64::from(w[1] - w[0]));
-        widths.zip(rows).map(|(w, r)| w * w * w / 3.0 + w * w * r + w * r * r).sum()
+        let rows = supernodes
+            .col_ptr_for_row_idx()
+            .windows(2)
+            .map(|w| f64::from(w[1] - w[0]));
+        widths
+            .zip(rows)
+            .map(|(w, r)| w * w * w / 3.0 + w * w * r + w * r * r)
+            .sum()
     }
 
     /// L of a matrix with this pattern.

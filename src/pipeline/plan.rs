@@ -88,7 +88,11 @@ impl Plan {
     ///
     /// # Errors
     /// The first thing that is wrong, with its place.
-    pub fn read(path: &Path, overrides: &[String], results: Option<&Path>) -> Result<Plan, InputError> {
+    pub fn read(
+        path: &Path,
+        overrides: &[String],
+        results: Option<&Path>,
+    ) -> Result<Plan, InputError> {
         let text = std::fs::read_to_string(path).map_err(|error| {
             let message = format!("the pipeline {} cannot be read: {error}", path.display());
             InputError::plain(message, nearby_pipelines(path))
@@ -96,7 +100,10 @@ impl Plan {
         let overrides = parse_overrides(overrides)?;
         let source = Source::new(path, text, overrides);
         let spec = parse(&source)?;
-        let reader = Reader { source: &source, spec: &spec };
+        let reader = Reader {
+            source: &source,
+            spec: &spec,
+        };
         let plane = match spec.plane {
             spec::Plane::Stress => PlaneState::Stress,
             spec::Plane::Strain => PlaneState::Strain,
@@ -104,7 +111,9 @@ impl Plan {
         let materials = reader.materials()?;
         Ok(Plan {
             name: reader.name()?,
-            folder: results.map_or_else(|| default_results(path), Path::to_owned).join(&spec.name),
+            folder: results
+                .map_or_else(|| default_results(path), Path::to_owned)
+                .join(&spec.name),
             geometry: reader.geometry()?,
             model: ModelSettings {
                 plane,
@@ -122,7 +131,10 @@ impl Plan {
 }
 
 fn nearby_pipelines(path: &Path) -> Option<String> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = path
+        .parent()
+        .filter(|p| !p.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .ok()?
         .filter_map(|entry| entry.ok()?.path().to_str().map(str::to_owned))
@@ -153,7 +165,9 @@ fn parse_overrides(overrides: &[String]) -> Result<Vec<(String, String)>, InputE
         Some((key, value)) if !key.is_empty() => Ok((key.replace('.', "/"), value.to_owned())),
         _ => Err(InputError::plain(
             format!("`--set {text}` is not of the form key=value"),
-            Some("write, say, `--set regions.0.horizon=3` or `--set geometry.parameters.h=5`".into()),
+            Some(
+                "write, say, `--set regions.0.horizon=3` or `--set geometry.parameters.h=5`".into(),
+            ),
         )),
     };
     overrides.iter().map(parse).collect()
@@ -167,7 +181,10 @@ fn parse(source: &Source) -> Result<Spec, InputError> {
         serde_yaml::from_str(source.text()).map_err(|error| yaml_error(source, &error))?;
     for (key, value) in source.overrides() {
         override_value(&mut document, key, value).map_err(|help| {
-            let message = format!("`--set {}={value}` names no place in the pipeline", key.replace('/', "."));
+            let message = format!(
+                "`--set {}={value}` names no place in the pipeline",
+                key.replace('/', ".")
+            );
             InputError::plain(message, Some(help))
         })?;
     }
@@ -182,13 +199,18 @@ fn override_value(document: &mut Yaml, key: &str, value: &str) -> Result<(), Str
             Yaml::Sequence(list) => {
                 let count = list.len();
                 let index = step.parse().ok().filter(|k: &usize| *k < count);
-                let index = index.ok_or_else(|| format!("`{step}` must be a number below {count}"))?;
+                let index =
+                    index.ok_or_else(|| format!("`{step}` must be a number below {count}"))?;
                 &mut list[index]
             }
             Yaml::Mapping(mapping) => mapping.entry(step.into()).or_insert(Yaml::Null),
             Yaml::Null => {
                 *place = Yaml::Mapping(Default::default());
-                place.as_mapping_mut().expect("it was just made").entry(step.into()).or_insert(Yaml::Null)
+                place
+                    .as_mapping_mut()
+                    .expect("it was just made")
+                    .entry(step.into())
+                    .or_insert(Yaml::Null)
             }
             _ => return Err(format!("there is nothing below what holds `{step}`")),
         };
@@ -209,7 +231,11 @@ fn yaml_error(source: &Source, error: &serde_yaml::Error) -> InputError {
         _ => None,
     };
     let summary = match help {
-        Some(_) => message.split(", expected").next().unwrap_or(&message).to_owned(),
+        Some(_) => message
+            .split(", expected")
+            .next()
+            .unwrap_or(&message)
+            .to_owned(),
         None => message,
     };
     match error.location() {
@@ -236,18 +262,32 @@ impl Reader<'_> {
         Ok(name.clone())
     }
 
-    fn quantity(&self, key: &str, value: &spec::Scalar, expected: Dimension) -> Result<f64, InputError> {
-        quantity::parse(&value.0, expected)
-            .map_err(|error| self.source.error(key, error.to_string(), Some(error.help())))
+    fn quantity(
+        &self,
+        key: &str,
+        value: &spec::Scalar,
+        expected: Dimension,
+    ) -> Result<f64, InputError> {
+        quantity::parse(&value.0, expected).map_err(|error| {
+            self.source
+                .error(key, error.to_string(), Some(error.help()))
+        })
     }
 
-    fn positive(&self, key: &str, value: &spec::Scalar, expected: Dimension) -> Result<f64, InputError> {
+    fn positive(
+        &self,
+        key: &str,
+        value: &spec::Scalar,
+        expected: Dimension,
+    ) -> Result<f64, InputError> {
         let number = self.quantity(key, value, expected)?;
         if number > 0.0 {
             return Ok(number);
         }
         let help = Some(format!("write {} greater than zero", expected.describe()));
-        Err(self.source.error(key, format!("`{}` is not positive", value.0), help))
+        Err(self
+            .source
+            .error(key, format!("`{}` is not positive", value.0), help))
     }
 
     fn geometry(&self) -> Result<GeometryPlan, InputError> {
@@ -263,7 +303,11 @@ impl Reader<'_> {
         Ok(GeometryPlan {
             file,
             unit_in_metres: self.positive("geometry/unit", &unit, Dimension::LENGTH)?,
-            parameters: geometry.parameters.iter().map(|(k, v)| (k.clone(), parameter(v))).collect(),
+            parameters: geometry
+                .parameters
+                .iter()
+                .map(|(k, v)| (k.clone(), parameter(v)))
+                .collect(),
         })
     }
 
@@ -273,7 +317,10 @@ impl Reader<'_> {
             let young = self.positive(&key("young"), &written.young, Dimension::PRESSURE)?;
             let poisson = self.quantity(&key("poisson"), &written.poisson, Dimension::NUMBER)?;
             if !(-1.0 < poisson && poisson < 0.5) {
-                let message = format!("Poisson's ratio `{}` is not between -1 and 1/2", written.poisson.0);
+                let message = format!(
+                    "Poisson's ratio `{}` is not between -1 and 1/2",
+                    written.poisson.0
+                );
                 return Err(self.source.error(&key("poisson"), message, None));
             }
             Ok((name.clone(), Material { young, poisson }))
@@ -289,7 +336,9 @@ impl Reader<'_> {
             text if !text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) => {
                 let message = format!("`{text}` is no way to find an interface node's area");
                 let help = "write `lumped`, `half-edge` or an area such as `12.5 mm^2`".to_owned();
-                Err(self.source.error("coupling/truss/node_area", message, Some(help)))
+                Err(self
+                    .source
+                    .error("coupling/truss/node_area", message, Some(help)))
             }
             _ => self
                 .positive("coupling/truss/node_area", written, Dimension::AREA)
@@ -303,7 +352,8 @@ impl Reader<'_> {
         plane: PlaneState,
     ) -> Result<Vec<RegionPlan>, InputError> {
         if self.spec.regions.is_empty() {
-            let help = Some("name a physical surface and its model: `fem` or `peridynamics`".to_owned());
+            let help =
+                Some("name a physical surface and its model: `fem` or `peridynamics`".to_owned());
             return Err(self.source.error("regions", "there is no region", help));
         }
         let read = |(index, region): (usize, &spec::Region)| {
@@ -356,7 +406,9 @@ impl Reader<'_> {
         );
         let place = format!("materials/{}/poisson", region.material);
         let known = self.spec.materials.contains_key(&region.material);
-        Err(self.source.error(if known { &place } else { key }, message, Some(help)))
+        Err(self
+            .source
+            .error(if known { &place } else { key }, message, Some(help)))
     }
 
     fn finite_elements(&self, index: usize, region: &spec::Region) -> Result<Method, InputError> {
@@ -382,29 +434,45 @@ impl Reader<'_> {
         let key = |field: &str| format!("regions/{index}/{field}");
         let missing = |field: &str, example: &str| {
             let message = format!("a peridynamic region needs a `{field}`");
-            self.source.error(&format!("regions/{index}"), message, Some(format!("add `{example}`")))
+            self.source.error(
+                &format!("regions/{index}"),
+                message,
+                Some(format!("add `{example}`")),
+            )
         };
-        let spacing = region.spacing.as_ref().ok_or_else(|| missing("spacing", "spacing: 0.5 mm"))?;
+        let spacing = region
+            .spacing
+            .as_ref()
+            .ok_or_else(|| missing("spacing", "spacing: 0.5 mm"))?;
         let spacing = self.positive(&key("spacing"), spacing, Dimension::LENGTH)?;
-        let written = region.horizon.as_ref().ok_or_else(|| missing("horizon", "horizon: 4"))?;
+        let written = region
+            .horizon
+            .as_ref()
+            .ok_or_else(|| missing("horizon", "horizon: 4"))?;
         Ok(Method::Peridynamics(PeridynamicSettings {
             lattice: LatticeSettings {
                 spacing,
-                placement: region.points.map_or(Placement::CellCentred, |points| match points {
-                    spec::Points::CellCentred => Placement::CellCentred,
-                    spec::Points::GridNodes => Placement::GridNodes,
-                }),
-                cell_area: region.cell_area.map_or(CellArea::Clipped, |area| match area {
-                    spec::CellArea::Full => CellArea::Full,
-                    spec::CellArea::Clipped => CellArea::Clipped,
-                }),
+                placement: region
+                    .points
+                    .map_or(Placement::CellCentred, |points| match points {
+                        spec::Points::CellCentred => Placement::CellCentred,
+                        spec::Points::GridNodes => Placement::GridNodes,
+                    }),
+                cell_area: region
+                    .cell_area
+                    .map_or(CellArea::Clipped, |area| match area {
+                        spec::CellArea::Full => CellArea::Full,
+                        spec::CellArea::Clipped => CellArea::Clipped,
+                    }),
             },
             horizon_ratio: self.horizon(&key("horizon"), written, spacing)?,
             kernel: region.kernel.map_or(Kernel::Quartic, kernel),
-            partial_area: region.partial_area.map_or(PartialArea::Full, |area| match area {
-                spec::PartialArea::Full => PartialArea::Full,
-                spec::PartialArea::Hhb => PartialArea::Hhb,
-            }),
+            partial_area: region
+                .partial_area
+                .map_or(PartialArea::Full, |area| match area {
+                    spec::PartialArea::Full => PartialArea::Full,
+                    spec::PartialArea::Hhb => PartialArea::Hhb,
+                }),
         }))
     }
 
@@ -417,14 +485,22 @@ impl Reader<'_> {
         };
         if ratio < SMALLEST_HORIZON * (1.0 - 1e-9) {
             return fail(
-                format!("a horizon of {} is {ratio:.3} spacings, less than {SMALLEST_HORIZON}", written.0),
-                "give it in spacings (`horizon: 4`) or as a length; 3 to 5 spacings are usual".into(),
+                format!(
+                    "a horizon of {} is {ratio:.3} spacings, less than {SMALLEST_HORIZON}",
+                    written.0
+                ),
+                "give it in spacings (`horizon: 4`) or as a length; 3 to 5 spacings are usual"
+                    .into(),
             );
         }
         if ratio > LARGEST_HORIZON {
             return fail(
-                format!("a horizon of {} is {ratio:.3} spacings, more than {LARGEST_HORIZON}", written.0),
-                "a number without a unit counts spacings: `horizon: 4`; a length needs a unit".into(),
+                format!(
+                    "a horizon of {} is {ratio:.3} spacings, more than {LARGEST_HORIZON}",
+                    written.0
+                ),
+                "a number without a unit counts spacings: `horizon: 4`; a length needs a unit"
+                    .into(),
             );
         }
         Ok(ratio)
@@ -441,12 +517,19 @@ impl Reader<'_> {
                 let components = [one("x", &c.x)?, one("y", &c.y)?];
                 if components == [None, None] {
                     let help = Some(format!("give `x`, `y` or both: `{field}: {{ x: 0 }}`"));
-                    return Err(self.source.error(&key(field), format!("this {field} has no component"), help));
+                    return Err(self.source.error(
+                        &key(field),
+                        format!("this {field} has no component"),
+                        help,
+                    ));
                 }
                 Ok(components)
             };
-            let displacement =
-                written.displacement.as_ref().map(|c| pair("displacement", c, Dimension::LENGTH)).transpose()?;
+            let displacement = written
+                .displacement
+                .as_ref()
+                .map(|c| pair("displacement", c, Dimension::LENGTH))
+                .transpose()?;
             let mut loads = Vec::new();
             if let Some(components) = &written.traction {
                 let traction = pair("traction", components, Dimension::PRESSURE)?;
@@ -459,16 +542,29 @@ impl Reader<'_> {
             if displacement.is_none() && loads.is_empty() {
                 let message = format!("nothing happens at `{}`", written.group);
                 let help = "give a `displacement`, a `traction` or a `pressure`".to_owned();
-                return Err(self.source.error(&format!("boundary/{index}"), message, Some(help)));
+                return Err(self
+                    .source
+                    .error(&format!("boundary/{index}"), message, Some(help)));
             }
-            Ok(Condition { group: written.group.clone(), displacement, loads })
+            Ok(Condition {
+                group: written.group.clone(),
+                displacement,
+                loads,
+            })
         };
-        let conditions: Vec<Condition> =
-            self.spec.boundary.iter().enumerate().map(read).collect::<Result<_, _>>()?;
+        let conditions: Vec<Condition> = self
+            .spec
+            .boundary
+            .iter()
+            .enumerate()
+            .map(read)
+            .collect::<Result<_, _>>()?;
         if conditions.iter().all(|c| c.displacement.is_none()) {
             let message = "no displacement is prescribed: nothing holds the body";
             let help = "add a support, such as `- { group: clamp, displacement: { x: 0, y: 0 } }`";
-            return Err(self.source.error("boundary", message, Some(help.to_owned())));
+            return Err(self
+                .source
+                .error("boundary", message, Some(help.to_owned())));
         }
         Ok(conditions)
     }
@@ -476,7 +572,8 @@ impl Reader<'_> {
     fn probes(&self) -> Result<Vec<Probe>, InputError> {
         let read = |(name, probe): (&String, &spec::Probe)| {
             let key = |field: &str| format!("probes/{name}/{field}");
-            let at = |k: usize| self.quantity(&key(&format!("at/{k}")), &probe.at[k], Dimension::LENGTH);
+            let at =
+                |k: usize| self.quantity(&key(&format!("at/{k}")), &probe.at[k], Dimension::LENGTH);
             let reference = probe.reference.as_ref();
             Ok(Probe {
                 name: name.clone(),

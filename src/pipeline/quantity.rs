@@ -18,12 +18,16 @@ impl Dimension {
     pub const PRESSURE: Dimension = Dimension::new(-1, 1, -2);
 
     const fn new(metre: i32, kilogram: i32, second: i32) -> Dimension {
-        Dimension { exponents: [metre, kilogram, second] }
+        Dimension {
+            exponents: [metre, kilogram, second],
+        }
     }
 
     fn times(self, other: Dimension, power: i32) -> Dimension {
         let [a, b] = [self.exponents, other.exponents];
-        Dimension { exponents: std::array::from_fn(|k| a[k] + power * b[k]) }
+        Dimension {
+            exponents: std::array::from_fn(|k| a[k] + power * b[k]),
+        }
     }
 
     /// In base units, such as `m^-1 kg^1 s^-2`.
@@ -40,7 +44,10 @@ impl Dimension {
             (Dimension::AREA, "an area, such as `5 mm^2`"),
             (Dimension::PRESSURE, "a pressure, such as `30 GPa`"),
             (Dimension::new(1, 1, -2), "a force"),
-            (Dimension::new(0, 1, -2), "a force per length or an energy per area"),
+            (
+                Dimension::new(0, 1, -2),
+                "a force per length or an energy per area",
+            ),
             (Dimension::new(0, 0, 1), "a time"),
             (Dimension::new(0, 1, 0), "a mass"),
             (Dimension::new(2, 1, -2), "an energy"),
@@ -59,7 +66,11 @@ pub enum QuantityError {
     #[error("`{unit}` is not a unit")]
     UnknownUnit { unit: String },
     #[error("`{text}` is {found}, but this must be {expected}")]
-    WrongDimension { text: String, found: String, expected: String },
+    WrongDimension {
+        text: String,
+        found: String,
+        expected: String,
+    },
     #[error("`{text}` is not finite")]
     NotFinite { text: String },
 }
@@ -108,18 +119,29 @@ pub fn parse_any(text: &str) -> Result<(f64, Option<Dimension>), QuantityError> 
         unit => unit_product(unit).map(|(scale, dimension)| (scale, Some(dimension)))?,
     };
     let value = number * scale;
-    if value.is_finite() { Ok((value, dimension)) } else { Err(QuantityError::NotFinite { text: text.to_owned() }) }
+    if value.is_finite() {
+        Ok((value, dimension))
+    } else {
+        Err(QuantityError::NotFinite {
+            text: text.to_owned(),
+        })
+    }
 }
 
 fn not_a_number(text: &str) -> QuantityError {
-    QuantityError::NotANumber { text: text.to_owned() }
+    QuantityError::NotANumber {
+        text: text.to_owned(),
+    }
 }
 
 /// The number at the front, fractions such as 1/3 included, and the unit behind it.
 fn split(text: &str) -> Option<(f64, &str)> {
     let (number, rest) = leading_number(text)?;
     let after = rest.trim_start();
-    if let Some((denominator, rest)) = after.strip_prefix('/').and_then(|r| leading_number(r.trim_start())) {
+    if let Some((denominator, rest)) = after
+        .strip_prefix('/')
+        .and_then(|r| leading_number(r.trim_start()))
+    {
         return Some((number / denominator, rest.trim()));
     }
     Some((number, rest.trim()))
@@ -129,15 +151,22 @@ fn split(text: &str) -> Option<(f64, &str)> {
 fn leading_number(text: &str) -> Option<(f64, &str)> {
     let numeric = |c: char| c.is_ascii_digit() || matches!(c, '.' | '+' | '-' | 'e' | 'E' | '_');
     let end = text.find(|c| !numeric(c)).unwrap_or(text.len());
-    (1..=end).rev().filter(|&k| text.is_char_boundary(k)).find_map(|k| {
-        let number = text[..k].replace('_', "").parse().ok()?;
-        Some((number, &text[k..]))
-    })
+    (1..=end)
+        .rev()
+        .filter(|&k| text.is_char_boundary(k))
+        .find_map(|k| {
+            let number = text[..k].replace('_', "").parse().ok()?;
+            Some((number, &text[k..]))
+        })
 }
 
 /// `kN/m^2`, `N/mm²`, `Pa*m`, `N m`: factors with exponents.
 fn unit_product(text: &str) -> Result<(f64, Dimension), QuantityError> {
-    let plain = text.replace('²', "^2").replace('³', "^3").replace(['·', '*'], " ").replace('/', " / ");
+    let plain = text
+        .replace('²', "^2")
+        .replace('³', "^3")
+        .replace(['·', '*'], " ")
+        .replace('/', " / ");
     let (mut scale, mut dimension, mut power) = (1.0, Dimension::NUMBER, 1);
     for word in plain.split_whitespace() {
         if word == "/" {
@@ -154,11 +183,17 @@ fn unit_product(text: &str) -> Result<(f64, Dimension), QuantityError> {
 }
 
 fn with_exponent(word: &str) -> Result<(&str, i32), QuantityError> {
-    let unknown = || QuantityError::UnknownUnit { unit: word.to_owned() };
+    let unknown = || QuantityError::UnknownUnit {
+        unit: word.to_owned(),
+    };
     match word.split_once('^') {
         Some((unit, exponent)) => {
             let exponent: i32 = exponent.parse().map_err(|_| unknown())?;
-            if exponent.abs() > 9 { Err(unknown()) } else { Ok((unit, exponent)) }
+            if exponent.abs() > 9 {
+                Err(unknown())
+            } else {
+                Ok((unit, exponent))
+            }
         }
         None => Ok((word, 1)),
     }
@@ -192,7 +227,9 @@ fn prefixed_unit(word: &str) -> Result<(f64, Dimension), QuantityError> {
             let (_, scale) = PREFIXES.iter().find(|(name, _)| *name == prefix)?;
             Some((scale * base, dimension))
         })
-        .ok_or_else(|| QuantityError::UnknownUnit { unit: word.to_owned() })
+        .ok_or_else(|| QuantityError::UnknownUnit {
+            unit: word.to_owned(),
+        })
 }
 
 #[cfg(test)]
@@ -224,7 +261,10 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said() {
         let error = |text| parse(text, Dimension::LENGTH).expect_err(text).to_string();
-        assert_eq!(error("30 GPa"), "`30 GPa` is a pressure, such as `30 GPa`, but this must be a length, such as `2.5 mm`");
+        assert_eq!(
+            error("30 GPa"),
+            "`30 GPa` is a pressure, such as `30 GPa`, but this must be a length, such as `2.5 mm`"
+        );
         assert_eq!(error("3 parsec"), "`parsec` is not a unit");
         assert_eq!(error("wide"), "`wide` is not a number with a unit");
         assert_eq!(error("1e999 m"), "`1e999 m` is not finite");

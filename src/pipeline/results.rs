@@ -56,10 +56,18 @@ impl Outcome<'_> {
         let name = &self.plan.name;
         let mut parts = Vec::new();
         if !self.model.elements.is_empty() {
-            parts.push(("finite elements", format!("{name}_elements.vtu"), self.element_part()));
+            parts.push((
+                "finite elements",
+                format!("{name}_elements.vtu"),
+                self.element_part(),
+            ));
         }
         if !self.model.areas.is_empty() {
-            parts.push(("material points", format!("{name}_points.vtu"), self.point_part()));
+            parts.push((
+                "material points",
+                format!("{name}_points.vtu"),
+                self.point_part(),
+            ));
         }
         if self.plan.output.bonds && !self.model.springs.is_empty() {
             parts.push(("bonds", format!("{name}_bonds.vtu"), self.bond_part()));
@@ -76,7 +84,11 @@ impl Outcome<'_> {
         }
         let series = format!("{name}.pvd");
         pvd::write(&folder.join(&series), &entries)?;
-        Ok(parts.into_iter().map(|(_, file, _)| file).chain([series]).collect())
+        Ok(parts
+            .into_iter()
+            .map(|(_, file, _)| file)
+            .chain([series])
+            .collect())
     }
 
     fn wants(&self, field: OutputField) -> bool {
@@ -93,17 +105,23 @@ impl Outcome<'_> {
             part.push_cell(PartCell::Surface(model.cell(element).kind), copies);
         }
         if self.wants(OutputField::Displacement) {
-            part.point_data.push(Field::vector(FieldName::Displacement, at(&self.solution.displacement)));
+            part.point_data.push(Field::vector(
+                FieldName::Displacement,
+                at(&self.solution.displacement),
+            ));
         }
         let (stress, strain) = (nodal.stress, nodal.strain);
         if self.wants(OutputField::Stress) {
-            part.point_data.push(Field::symmetric_tensor(FieldName::Stress, stress));
+            part.point_data
+                .push(Field::symmetric_tensor(FieldName::Stress, stress));
         }
         if self.wants(OutputField::Strain) {
-            part.point_data.push(Field::symmetric_tensor(FieldName::Strain, strain));
+            part.point_data
+                .push(Field::symmetric_tensor(FieldName::Strain, strain));
         }
         let region = |&(region, _): &(usize, usize)| region;
-        part.cell_data.extend(self.region_fields(model.elements.iter().map(region)));
+        part.cell_data
+            .extend(self.region_fields(model.elements.iter().map(region)));
         part
     }
 
@@ -113,12 +131,22 @@ impl Outcome<'_> {
         let mut part = Part::of_vertices(model.positions[first..].to_vec());
         if self.wants(OutputField::Displacement) {
             let u = self.solution.displacement[first..].to_vec();
-            part.point_data.push(Field::vector(FieldName::Displacement, u));
+            part.point_data
+                .push(Field::vector(FieldName::Displacement, u));
         }
-        let volumes = model.areas.iter().map(|a| a * model.settings.thickness).collect();
-        part.point_data.push(Field::scalar(FieldName::Area, model.areas.clone()));
-        part.point_data.push(Field::scalar(FieldName::Volume, volumes));
-        let regions = model.points.iter().flat_map(|p| p.nodes.clone().map(|_| p.region));
+        let volumes = model
+            .areas
+            .iter()
+            .map(|a| a * model.settings.thickness)
+            .collect();
+        part.point_data
+            .push(Field::scalar(FieldName::Area, model.areas.clone()));
+        part.point_data
+            .push(Field::scalar(FieldName::Volume, volumes));
+        let regions = model
+            .points
+            .iter()
+            .flat_map(|p| p.nodes.clone().map(|_| p.region));
         part.cell_data.extend(self.region_fields(regions));
         part
     }
@@ -126,18 +154,25 @@ impl Outcome<'_> {
     /// Bonds and trusses with stiffness.
     fn bond_part(&self) -> Part {
         let model = self.model;
-        let stiff: Vec<usize> =
-            (0..model.springs.len()).filter(|&s| model.springs.stiffness[s] != 0.0).collect();
-        let ends: Vec<[usize; 2]> =
-            stiff.iter().map(|&s| model.springs.ends[s].map(|n| n as usize)).collect();
+        let stiff: Vec<usize> = (0..model.springs.len())
+            .filter(|&s| model.springs.stiffness[s] != 0.0)
+            .collect();
+        let ends: Vec<[usize; 2]> = stiff
+            .iter()
+            .map(|&s| model.springs.ends[s].map(|n| n as usize))
+            .collect();
         let mut part = Part::of_lines(model.positions.clone(), &ends);
         if self.wants(OutputField::Displacement) {
             let u = self.solution.displacement.clone();
-            part.point_data.push(Field::vector(FieldName::Displacement, u));
+            part.point_data
+                .push(Field::vector(FieldName::Displacement, u));
         }
         let all = stretches(model, &self.solution.displacement);
         let of_stiff = |values: &[f64]| stiff.iter().map(|&s| values[s]).collect();
-        let is_truss = stiff.iter().map(|&s| i32::from(s >= model.bond_count)).collect();
+        let is_truss = stiff
+            .iter()
+            .map(|&s| i32::from(s >= model.bond_count))
+            .collect();
         part.cell_data = vec![
             Field::scalar(FieldName::Stretch, of_stiff(&all)),
             Field::scalar(FieldName::Stiffness, of_stiff(&model.springs.stiffness)),
@@ -151,20 +186,30 @@ impl Outcome<'_> {
         let names: Vec<&String> = self.plan.spec.materials.keys().collect();
         let material = |&region: &usize| {
             let name = &self.plan.regions[region].material_name;
-            names.iter().position(|n| *n == name).map_or(-1, |index| index as i32)
+            names
+                .iter()
+                .position(|n| *n == name)
+                .map_or(-1, |index| index as i32)
         };
         let materials = regions.iter().map(material).collect();
         [
-            Field::integer(FieldName::Region, regions.iter().map(|&r| r as i32).collect()),
+            Field::integer(
+                FieldName::Region,
+                regions.iter().map(|&r| r as i32).collect(),
+            ),
             Field::integer(FieldName::Material, materials),
         ]
     }
 
     fn write_pictures(&self, folder: &Path) -> Result<Vec<String>, ResultsError> {
-        self.mesh_picture().draw()?.write(&folder.join("mesh.png"))?;
+        self.mesh_picture()
+            .draw()?
+            .write(&folder.join("mesh.png"))?;
         let mut files = vec!["mesh.png".to_owned()];
         for (axis, file) in [(0, "displacement_x.png"), (1, "displacement_y.png")] {
-            self.displacement_picture(axis).draw()?.write(&folder.join(file))?;
+            self.displacement_picture(axis)
+                .draw()?
+                .write(&folder.join(file))?;
             files.push(file.to_owned());
         }
         Ok(files)
@@ -178,19 +223,29 @@ impl Outcome<'_> {
                 Some(points) => ("peridynamics", Filling::Points, points.nodes.len()),
                 None => ("finite elements", Filling::Cells, region.cells.len()),
             };
-            picture::Region { name: region.name.clone(), model: name.to_owned(), filling, count }
+            picture::Region {
+                name: region.name.clone(),
+                model: name.to_owned(),
+                filling,
+                count,
+            }
         };
         let patch = |&(region, cell): &(usize, usize)| Patch {
             outline: picture::outline(&model.mesh.cells[cell], |n| model.mesh.nodes[n]),
             region,
         };
-        let edges = model.interfaces.iter().flat_map(|interface| &interface.edges);
+        let edges = model
+            .interfaces
+            .iter()
+            .flat_map(|interface| &interface.edges);
         MeshPicture {
             title: format!("{}: mesh and regions", self.plan.name),
             regions: model.regions.iter().enumerate().map(region).collect(),
             cells: model.elements.iter().map(patch).collect(),
             points: self.dots(),
-            interfaces: edges.map(|e| picture::edge_path(e, |n| model.mesh.nodes[n])).collect(),
+            interfaces: edges
+                .map(|e| picture::edge_path(e, |n| model.mesh.nodes[n]))
+                .collect(),
             cracks: Vec::new(),
         }
     }
@@ -203,7 +258,11 @@ impl Outcome<'_> {
             region,
         };
         points
-            .flat_map(|p| p.nodes.clone().map(|n| (n, p.micromodulus.spacing, p.region)))
+            .flat_map(|p| {
+                p.nodes
+                    .clone()
+                    .map(|n| (n, p.micromodulus.spacing, p.region))
+            })
             .map(dot)
             .collect()
     }
@@ -218,13 +277,20 @@ impl Outcome<'_> {
         let mut facets = Vec::new();
         for element in 0..model.elements.len() {
             let kind = model.cell(element).kind;
-            let nodes: Vec<usize> =
-                model.element_nodes(element).into_iter().map(|n| n as usize).collect();
+            let nodes: Vec<usize> = model
+                .element_nodes(element)
+                .into_iter()
+                .map(|n| n as usize)
+                .collect();
             let shape: Vec<[f64; 2]> = nodes.iter().map(|&n| moved(n)).collect();
             let divisions = if kind.is_quadratic() { 4 } else { 1 };
             facets.extend(picture::facets(kind, divisions, |at| {
                 let point = MappedPoint::new(kind, &shape, at);
-                let value = nodes.iter().zip(point.value).map(|(&n, shape)| shape * u[n][axis]).sum();
+                let value = nodes
+                    .iter()
+                    .zip(point.value)
+                    .map(|(&n, shape)| shape * u[n][axis])
+                    .sum();
                 (point.position, value)
             }));
         }
@@ -234,8 +300,12 @@ impl Outcome<'_> {
             side: dot.side,
             value: u[node][axis],
         });
-        let edges = model.interfaces.iter().flat_map(|interface| &interface.edges);
-        let line = |n: usize| moved(model.node_of[n].expect("interfaces have element nodes") as usize);
+        let edges = model
+            .interfaces
+            .iter()
+            .flat_map(|interface| &interface.edges);
+        let line =
+            |n: usize| moved(model.node_of[n].expect("interfaces have element nodes") as usize);
         FieldPicture {
             title: format!("{}: displacement u_{}", self.plan.name, ['x', 'y'][axis]),
             quantity: format!("u_{}", ['x', 'y'][axis]),
@@ -263,7 +333,12 @@ impl Outcome<'_> {
     pub fn summary(&self, files: &[String], phases: &Phases, peak_memory: Option<u64>) -> Value {
         let model = self.model;
         let count = |method: fn(&Method) -> bool| {
-            model.regions.iter().filter(|r| method(&r.method)).map(|r| r.cells.len()).sum::<usize>()
+            model
+                .regions
+                .iter()
+                .filter(|r| method(&r.method))
+                .map(|r| r.cells.len())
+                .sum::<usize>()
         };
         json!({
             "name": self.plan.name,
@@ -316,7 +391,8 @@ impl Outcome<'_> {
 
     fn probe(&self, probe: &Probe) -> Value {
         let positions = &self.model.positions;
-        let distance = |n: usize| (positions[n][0] - probe.at[0]).hypot(positions[n][1] - probe.at[1]);
+        let distance =
+            |n: usize| (positions[n][0] - probe.at[0]).hypot(positions[n][1] - probe.at[1]);
         let node = (0..positions.len())
             .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
             .expect("a model has nodes");

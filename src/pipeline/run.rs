@@ -39,7 +39,11 @@ pub enum RunError {
     #[error(transparent)]
     Write(#[from] WriteError),
     #[error("cannot {action} {}: {source}", .path.display())]
-    File { action: &'static str, path: PathBuf, source: io::Error },
+    File {
+        action: &'static str,
+        path: PathBuf,
+        source: io::Error,
+    },
     #[error("another run is writing to {}", .folder.display())]
     Busy { folder: PathBuf },
 }
@@ -62,7 +66,11 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Options {
-        Options { until: Stage::Output, force: false, gmsh: gmsh::Options::default() }
+        Options {
+            until: Stage::Output,
+            force: false,
+            gmsh: gmsh::Options::default(),
+        }
     }
 }
 
@@ -96,7 +104,10 @@ struct StoredSolution {
 pub fn staleness(plan: &Plan) -> Result<Vec<(Stage, Reasons)>, RunError> {
     let mut list: Vec<(Stage, Reasons)> = Vec::new();
     for stage in Stage::ALL {
-        let upstream = list.iter().find(|(_, reasons)| !reasons.is_empty()).map(|(stage, _)| *stage);
+        let upstream = list
+            .iter()
+            .find(|(_, reasons)| !reasons.is_empty())
+            .map(|(stage, _)| *stage);
         let reasons = match upstream {
             Some(earlier) => vec![format!("{earlier} is stale")],
             None => stamp::stale(&plan.folder, stage, &recipe(plan, stage)?),
@@ -110,18 +121,36 @@ pub fn staleness(plan: &Plan) -> Result<Vec<(Stage, Reasons)>, RunError> {
 ///
 /// # Errors
 /// See [`RunError`].
-pub fn run(plan: &Plan, options: &Options, observer: &mut dyn Observer) -> Result<Option<Value>, RunError> {
-    let mut run = Run { plan, options, observer, phases: Phases::default(), lock: None };
+pub fn run(
+    plan: &Plan,
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<Option<Value>, RunError> {
+    let mut run = Run {
+        plan,
+        options,
+        observer,
+        phases: Phases::default(),
+        lock: None,
+    };
     let mesh = run.mesh()?;
-    let model = |mesh: &Extract| -> Result<(Model, Boundary), RunError> { Ok(discretise(plan, to_mesh(plan, mesh)?)?) };
-    let downstream_fresh = !mesh.is_new && run.is_fresh(Stage::Solve)? && run.is_fresh(Stage::Output)?;
+    let model = |mesh: &Extract| -> Result<(Model, Boundary), RunError> {
+        Ok(discretise(plan, to_mesh(plan, mesh)?)?)
+    };
+    let downstream_fresh =
+        !mesh.is_new && run.is_fresh(Stage::Solve)? && run.is_fresh(Stage::Output)?;
     if downstream_fresh && options.until == Stage::Output {
-        Stage::ALL.into_iter().for_each(|stage| run.observer.is_fresh(stage));
+        Stage::ALL
+            .into_iter()
+            .for_each(|stage| run.observer.is_fresh(stage));
         return Ok(read_summary(&plan.folder));
     }
     let start = std::time::Instant::now();
     let (model, boundary) = model(&mesh.extract)?;
-    run.phases.list.push(Phase { name: "discretisation", time: start.elapsed() });
+    run.phases.list.push(Phase {
+        name: "discretisation",
+        time: start.elapsed(),
+    });
     run.warn_of_areas(&model);
     run.keep_mesh(&mesh)?;
     if options.until == Stage::Mesh {
@@ -180,16 +209,29 @@ impl Run<'_> {
         if self.is_fresh(Stage::Mesh)?
             && let Some((extract, bytes)) = read_stored(&self.plan.folder.join(MESH_FILE))
         {
-            return Ok(Meshed { extract, bytes, is_new: false, time: Duration::ZERO });
+            return Ok(Meshed {
+                extract,
+                bytes,
+                is_new: false,
+                time: Duration::ZERO,
+            });
         }
         self.observer.starts(Stage::Mesh);
         let start = std::time::Instant::now();
         let extract = mesh_geometry(self.plan, self.options)?;
-        extract.warnings.iter().for_each(|warning| self.observer.warns(&format!("Gmsh: {warning}")));
+        extract
+            .warnings
+            .iter()
+            .for_each(|warning| self.observer.warns(&format!("Gmsh: {warning}")));
         let bytes = encode(&extract);
         let time = start.elapsed();
         self.phases.list.push(Phase { name: "gmsh", time });
-        Ok(Meshed { extract, bytes, is_new: true, time })
+        Ok(Meshed {
+            extract,
+            bytes,
+            is_new: true,
+            time,
+        })
     }
 
     fn keep_mesh(&mut self, mesh: &Meshed) -> Result<(), RunError> {
@@ -242,7 +284,10 @@ impl Run<'_> {
         let known = Phases::STATICS;
         for (name, seconds) in stored.phases {
             if let Some(name) = known.into_iter().find(|known| **known == name) {
-                self.phases.list.push(Phase { name, time: Duration::from_secs_f64(seconds) });
+                self.phases.list.push(Phase {
+                    name,
+                    time: Duration::from_secs_f64(seconds),
+                });
             }
         }
         let [dofs, stiffness_entries, factor_entries] = stored.size;
@@ -250,7 +295,11 @@ impl Run<'_> {
             displacement: stored.displacement,
             reaction: stored.reaction,
             residual: stored.residual,
-            size: SystemSize { dofs, stiffness_entries, factor_entries },
+            size: SystemSize {
+                dofs,
+                stiffness_entries,
+                factor_entries,
+            },
         }
     }
 
@@ -313,7 +362,9 @@ impl Run<'_> {
         match file.try_lock() {
             Ok(()) => self.lock = Some(file),
             Err(fs::TryLockError::WouldBlock) => {
-                return Err(RunError::Busy { folder: folder.clone() });
+                return Err(RunError::Busy {
+                    folder: folder.clone(),
+                });
             }
             Err(fs::TryLockError::Error(source)) => return Err(file_error("lock", &path, source)),
         }
@@ -339,7 +390,10 @@ impl Run<'_> {
         for name in files {
             outputs.insert(name.clone(), hash_of(&folder.join(name))?);
         }
-        let manifest = Manifest { recipe: recipe(self.plan, stage)?, outputs };
+        let manifest = Manifest {
+            recipe: recipe(self.plan, stage)?,
+            outputs,
+        };
         let text = serde_json::to_string_pretty(&manifest).expect("a manifest is plain data");
         Ok(write_whole(&stamp::path(folder, stage), text.as_bytes())?)
     }
@@ -354,9 +408,20 @@ const AREA_WARNING: f64 = 1e-6;
 fn recipe(plan: &Plan, stage: Stage) -> Result<Recipe, RunError> {
     let folder = &plan.folder;
     let kept = |name: &str| {
-        (name.to_owned(), stamp::hash_file(&folder.join(name)).unwrap_or_else(|| "missing".to_owned()))
+        (
+            name.to_owned(),
+            stamp::hash_file(&folder.join(name)).unwrap_or_else(|| "missing".to_owned()),
+        )
     };
-    let physics = ["geometry", "plane", "thickness", "materials", "regions", "coupling", "boundary"];
+    let physics = [
+        "geometry",
+        "plane",
+        "thickness",
+        "materials",
+        "regions",
+        "coupling",
+        "boundary",
+    ];
     let (settings, inputs) = match stage {
         Stage::Mesh => {
             let mut settings = settings(&plan.spec, &["geometry/parameters"]);
@@ -383,17 +448,31 @@ fn settings(spec: &Spec, prefixes: &[&str]) -> BTreeMap<String, String> {
     let mut flat = BTreeMap::new();
     let value = serde_json::to_value(spec).expect("a spec is plain data");
     flatten("", &value, &mut flat);
-    let below = |key: &str| prefixes.iter().any(|p| key == *p || key.starts_with(&format!("{p}/")));
+    let below = |key: &str| {
+        prefixes
+            .iter()
+            .any(|p| key == *p || key.starts_with(&format!("{p}/")))
+    };
     flat.retain(|key, _| below(key));
     flat
 }
 
 fn flatten(key: &str, value: &Value, flat: &mut BTreeMap<String, String>) {
-    let join = |step: &str| if key.is_empty() { step.to_owned() } else { format!("{key}/{step}") };
+    let join = |step: &str| {
+        if key.is_empty() {
+            step.to_owned()
+        } else {
+            format!("{key}/{step}")
+        }
+    };
     match value {
-        Value::Object(map) => map.iter().for_each(|(step, v)| flatten(&join(step), v, flat)),
+        Value::Object(map) => map
+            .iter()
+            .for_each(|(step, v)| flatten(&join(step), v, flat)),
         Value::Array(list) => {
-            list.iter().enumerate().for_each(|(k, v)| flatten(&join(&k.to_string()), v, flat));
+            list.iter()
+                .enumerate()
+                .for_each(|(k, v)| flatten(&join(&k.to_string()), v, flat));
         }
         Value::String(text) => {
             flat.insert(key.to_owned(), canonical(text));
@@ -417,7 +496,10 @@ fn canonical(text: &str) -> String {
 fn gmsh_library() -> String {
     let search = gmsh::library::Places::of_this_process().search();
     let name = search.found.first().and_then(|path| path.file_name());
-    name.map_or_else(|| "none".to_owned(), |name| name.to_string_lossy().into_owned())
+    name.map_or_else(
+        || "none".to_owned(),
+        |name| name.to_string_lossy().into_owned(),
+    )
 }
 
 /// The geometry and all that it includes, with their hashes.
@@ -425,16 +507,25 @@ fn geometry_files(plan: &Plan) -> Result<BTreeMap<String, String>, RunError> {
     let file = &plan.geometry.file;
     let is_script = file.extension().is_some_and(|extension| extension == "geo");
     let files = if is_script {
-        GeoScript::scan(file).map_err(|error| gmsh_error(plan, error.into()))?.files
+        GeoScript::scan(file)
+            .map_err(|error| gmsh_error(plan, error.into()))?
+            .files
     } else {
         vec![file.clone()]
     };
-    files.into_iter().map(|file| Ok((file.display().to_string(), hash_of(&file)?))).collect()
+    files
+        .into_iter()
+        .map(|file| Ok((file.display().to_string(), hash_of(&file)?)))
+        .collect()
 }
 
 fn mesh_geometry(plan: &Plan, options: &Options) -> Result<Extract, RunError> {
-    gmsh::mesh(&plan.geometry.file, &plan.geometry.parameters, &options.gmsh)
-        .map_err(|error| gmsh_error(plan, error))
+    gmsh::mesh(
+        &plan.geometry.file,
+        &plan.geometry.parameters,
+        &options.gmsh,
+    )
+    .map_err(|error| gmsh_error(plan, error))
 }
 
 /// Whose fault is it? The user's errors get their place in the pipeline and exit code 2.
@@ -469,14 +560,23 @@ fn read_stored<T: for<'de> Deserialize<'de>>(path: &Path) -> Option<(T, Vec<u8>)
 }
 
 fn store(solution: &Solution, phases: &Phases) -> StoredSolution {
-    let SystemSize { dofs, stiffness_entries, factor_entries } = solution.size;
-    let statics = phases.list.iter().filter(|phase| Phases::STATICS.contains(&phase.name));
+    let SystemSize {
+        dofs,
+        stiffness_entries,
+        factor_entries,
+    } = solution.size;
+    let statics = phases
+        .list
+        .iter()
+        .filter(|phase| Phases::STATICS.contains(&phase.name));
     StoredSolution {
         displacement: solution.displacement.clone(),
         reaction: solution.reaction.clone(),
         residual: solution.residual,
         size: [dofs, stiffness_entries, factor_entries],
-        phases: statics.map(|p| (p.name.to_owned(), p.time.as_secs_f64())).collect(),
+        phases: statics
+            .map(|p| (p.name.to_owned(), p.time.as_secs_f64()))
+            .collect(),
     }
 }
 
@@ -500,7 +600,11 @@ fn remove(path: &Path) -> Result<(), RunError> {
 }
 
 fn file_error(action: &'static str, path: &Path, source: io::Error) -> RunError {
-    RunError::File { action, path: path.to_owned(), source }
+    RunError::File {
+        action,
+        path: path.to_owned(),
+        source,
+    }
 }
 
 /// Removes what the stages have written, and the folder if nothing else is in it. Returns the number
@@ -512,7 +616,9 @@ pub fn clean(plan: &Plan) -> Result<usize, RunError> {
     let folder = &plan.folder;
     let mut removed = 0;
     for stage in Stage::ALL {
-        let Some(manifest) = stamp::read(folder, stage) else { continue };
+        let Some(manifest) = stamp::read(folder, stage) else {
+            continue;
+        };
         for name in manifest.outputs.keys() {
             remove(&folder.join(name))?;
             removed += 1;

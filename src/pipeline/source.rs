@@ -21,7 +21,12 @@ pub struct InputError {
 impl InputError {
     /// An error with no place in a pipeline file.
     pub fn plain(message: impl Into<String>, help: Option<String>) -> InputError {
-        InputError { message: message.into(), help, source_code: None, span: None }
+        InputError {
+            message: message.into(),
+            help,
+            source_code: None,
+            span: None,
+        }
     }
 }
 
@@ -39,7 +44,12 @@ pub struct Source {
 impl Source {
     pub fn new(path: &Path, text: String, overrides: Vec<(String, String)>) -> Source {
         let marks = marked_yaml::parse_yaml(0, &text).ok();
-        Source { path: path.to_owned(), text, marks, overrides }
+        Source {
+            path: path.to_owned(),
+            text,
+            marks,
+            overrides,
+        }
     }
 
     pub fn text(&self) -> &str {
@@ -53,7 +63,10 @@ impl Source {
     /// An error at a key such as `regions/1/spacing`; where the file does not hold the key, at what
     /// holds it.
     pub fn error(&self, key: &str, message: impl Into<String>, help: Option<String>) -> InputError {
-        let set = self.overrides.iter().find(|(set, _)| key.starts_with(set.as_str()));
+        let set = self
+            .overrides
+            .iter()
+            .find(|(set, _)| key.starts_with(set.as_str()));
         match set {
             Some((set, value)) => {
                 let option = format!("--set {}={value}", set.replace('/', "."));
@@ -64,7 +77,12 @@ impl Source {
     }
 
     /// An error at a byte offset.
-    pub fn error_at_byte(&self, byte: usize, message: impl Into<String>, help: Option<String>) -> InputError {
+    pub fn error_at_byte(
+        &self,
+        byte: usize,
+        message: impl Into<String>,
+        help: Option<String>,
+    ) -> InputError {
         self.error_at(Some(self.span_from(byte)), message, help)
     }
 
@@ -101,13 +119,20 @@ impl Source {
             }
         }
         let character = node.span().start()?.character();
-        let byte = self.text.char_indices().nth(character).map_or(self.text.len(), |(b, _)| b);
+        let byte = self
+            .text
+            .char_indices()
+            .nth(character)
+            .map_or(self.text.len(), |(b, _)| b);
         Some(self.span_from(byte))
     }
 
     /// From `byte` to the end of its line, without a comment.
     fn span_from(&self, byte: usize) -> SourceSpan {
-        let byte = (0..=byte.min(self.text.len())).rev().find(|&b| self.text.is_char_boundary(b)).unwrap_or(0);
+        let byte = (0..=byte.min(self.text.len()))
+            .rev()
+            .find(|&b| self.text.is_char_boundary(b))
+            .unwrap_or(0);
         let line = self.text[byte..].lines().next().unwrap_or("");
         let content = line.split(" #").next().unwrap_or(line).trim_end();
         (byte, content.len().max(1).min(self.text.len() - byte)).into()
@@ -122,7 +147,11 @@ pub fn choices<'a>(given: &str, valid: impl IntoIterator<Item = &'a str>) -> Str
         .map(|name| (strsim::damerau_levenshtein(given, name), name))
         .filter(|(distance, name)| *distance <= 1 + name.len() / 3)
         .min();
-    let list = valid.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    let list = valid
+        .iter()
+        .map(|name| format!("`{name}`"))
+        .collect::<Vec<_>>()
+        .join(", ");
     match closest {
         Some((_, name)) => format!("did you mean `{name}`? There are: {list}"),
         None if valid.is_empty() => "there are none".to_owned(),

@@ -141,7 +141,11 @@ fn lumped() -> Scalar {
 
 impl Default for Coupling {
     fn default() -> Coupling {
-        Coupling { truss: Truss { node_area: lumped() } }
+        Coupling {
+            truss: Truss {
+                node_area: lumped(),
+            },
+        }
     }
 }
 
@@ -170,7 +174,9 @@ impl<'de> Deserialize<'de> for Coupling {
                         _ => return Err(de::Error::unknown_field(&key, &["truss"])),
                     }
                 }
-                truss.map(|truss| Coupling { truss }).ok_or_else(|| de::Error::missing_field("truss"))
+                truss
+                    .map(|truss| Coupling { truss })
+                    .ok_or_else(|| de::Error::missing_field("truss"))
             }
         }
         deserializer.deserialize_any(Visitor)
@@ -230,7 +236,11 @@ pub struct Output {
 impl Default for Output {
     fn default() -> Output {
         use OutputField::{Displacement, Strain, Stress};
-        Output { fields: vec![Displacement, Stress, Strain], bonds: false, pictures: true }
+        Output {
+            fields: vec![Displacement, Stress, Strain],
+            bonds: false,
+            pictures: true,
+        }
     }
 }
 
@@ -270,7 +280,11 @@ impl<'de> Deserialize<'de> for Names {
                 while let Some(name) = list.next_element()? {
                     names.push(name);
                 }
-                if names.is_empty() { Err(de::Error::invalid_length(0, &self)) } else { Ok(Names(names)) }
+                if names.is_empty() {
+                    Err(de::Error::invalid_length(0, &self))
+                } else {
+                    Ok(Names(names))
+                }
             }
         }
         deserializer.deserialize_any(Visitor)

@@ -59,7 +59,11 @@ impl Recipe {
         settings: BTreeMap<String, String>,
         inputs: BTreeMap<String, String>,
     ) -> Recipe {
-        Recipe { version: stage.version(), settings, inputs }
+        Recipe {
+            version: stage.version(),
+            settings,
+            inputs,
+        }
     }
 
     /// What is different now, one line each.
@@ -68,14 +72,26 @@ impl Recipe {
         if self.version != now.version {
             lines.push("this version of peristitch computes it differently".to_owned());
         }
-        lines.extend(map_differences(&self.settings, &now.settings, |key, old, new| {
-            format!("{key}: {} → {}", old.unwrap_or("(none)"), new.unwrap_or("(none)"))
-        }));
-        lines.extend(map_differences(&self.inputs, &now.inputs, |key, old, new| match (old, new) {
-            (None, _) => format!("{key} is a new input"),
-            (_, None) => format!("{key} is no longer an input"),
-            _ => format!("{key} has changed"),
-        }));
+        lines.extend(map_differences(
+            &self.settings,
+            &now.settings,
+            |key, old, new| {
+                format!(
+                    "{key}: {} → {}",
+                    old.unwrap_or("(none)"),
+                    new.unwrap_or("(none)")
+                )
+            },
+        ));
+        lines.extend(map_differences(
+            &self.inputs,
+            &now.inputs,
+            |key, old, new| match (old, new) {
+                (None, _) => format!("{key} is a new input"),
+                (_, None) => format!("{key} is no longer an input"),
+                _ => format!("{key} has changed"),
+            },
+        ));
         lines
     }
 }
@@ -88,7 +104,13 @@ fn map_differences(
     let keys: std::collections::BTreeSet<&String> = old.keys().chain(new.keys()).collect();
     keys.into_iter()
         .filter(|key| old.get(*key) != new.get(*key))
-        .map(|key| describe(key, old.get(key).map(String::as_str), new.get(key).map(String::as_str)))
+        .map(|key| {
+            describe(
+                key,
+                old.get(key).map(String::as_str),
+                new.get(key).map(String::as_str),
+            )
+        })
         .collect()
 }
 
@@ -120,7 +142,9 @@ pub fn stale(folder: &Path, stage: Stage, recipe: &Recipe) -> Reasons {
     for (name, hash) in &manifest.outputs {
         match hash_file(&folder.join(name)) {
             None => reasons.push(format!("{name} is missing")),
-            Some(now) if now != *hash => reasons.push(format!("{name} is not what the stage wrote")),
+            Some(now) if now != *hash => {
+                reasons.push(format!("{name} is not what the stage wrote"))
+            }
             Some(_) => {}
         }
     }

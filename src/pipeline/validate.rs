@@ -77,11 +77,15 @@ fn unknown_surface(plan: &Plan, mesh: &Mesh, index: usize, group: &str) -> Input
         format!("there is no physical surface `{group}` with elements in {file}")
     };
     let help = choices(group, mesh.surfaces.keys().map(String::as_str));
-    plan.source.error(&format!("regions/{index}/group"), message, Some(help))
+    plan.source
+        .error(&format!("regions/{index}/group"), message, Some(help))
 }
 
 fn boundary_groups(mesh: &Mesh) -> impl Iterator<Item = &str> {
-    mesh.curves.keys().chain(mesh.points.keys()).map(String::as_str)
+    mesh.curves
+        .keys()
+        .chain(mesh.points.keys())
+        .map(String::as_str)
 }
 
 fn check_groups(plan: &Plan, mesh: &Mesh) -> Result<(), InputError> {
@@ -91,7 +95,9 @@ fn check_groups(plan: &Plan, mesh: &Mesh) -> Result<(), InputError> {
             let file = plan.geometry.file.display();
             let message = format!("there is no physical curve or point `{group}` in {file}");
             let help = choices(group, boundary_groups(mesh));
-            return Err(plan.source.error(&format!("boundary/{index}/group"), message, Some(help)));
+            return Err(plan
+                .source
+                .error(&format!("boundary/{index}/group"), message, Some(help)));
         }
     }
     Ok(())
@@ -99,7 +105,10 @@ fn check_groups(plan: &Plan, mesh: &Mesh) -> Result<(), InputError> {
 
 fn model_error(plan: &Plan, error: &ModelError) -> InputError {
     let key = |name: &str| {
-        let index = plan.regions.iter().rposition(|region| region.name() == name);
+        let index = plan
+            .regions
+            .iter()
+            .rposition(|region| region.name() == name);
         format!("regions/{}/group", index.unwrap_or(0))
     };
     let (key, help) = match error {
@@ -146,5 +155,9 @@ fn boundary_error(plan: &Plan, index: usize, error: &BoundaryError) -> InputErro
             "where two groups meet, they must prescribe the same value, or only one of them"
         }
     };
-    plan.source.error(&format!("boundary/{index}"), error.to_string(), Some(help.to_owned()))
+    plan.source.error(
+        &format!("boundary/{index}"),
+        error.to_string(),
+        Some(help.to_owned()),
+    )
 }

@@ -57,7 +57,7 @@ fn names(regions: &[String], whole: bool) -> String {
 
 fn motions(free: &[RigidMotion]) -> String {
     let list: Vec<String> = free.iter().map(ToString::to_string).collect();
-    list.join(", ")
+    list.join(" and ")
 }
 
 /// Motions whose square is below this, against the best held one, count as free: constraint rows are
@@ -192,7 +192,9 @@ fn null_space(held: Matrix3<f64>) -> Vec<Vector3<f64>> {
 fn describe(motion: Vector3<f64>, centre: [f64; 2], size: f64) -> RigidMotion {
     let [ax, ay, turn] = [motion[0], motion[1], motion[2] / size];
     if motion[2].abs() > 1e-6 {
-        return RigidMotion::Turn([centre[0] - ay / turn, centre[1] + ax / turn]);
+        let about = [centre[0] - ay / turn, centre[1] + ax / turn];
+        // What rounding leaves of a zero is no coordinate.
+        return RigidMotion::Turn(about.map(|x| if x.abs() < 1e-9 * size { 0.0 } else { x }));
     }
     if ay.abs() < 1e-6 {
         RigidMotion::MoveX

@@ -108,7 +108,6 @@ struct StoredSolution {
     reaction: Vec<[f64; 2]>,
     residual: f64,
     size: [usize; 3],
-    phases: Vec<(String, f64)>,
 }
 
 /// How a stage's result stands.
@@ -328,7 +327,7 @@ impl Run<'_> {
         self.observer.starts(Stage::Solve);
         let start = Instant::now();
         let solution = statics::solve(model, boundary, &mut self.phases)?;
-        let bytes = encode(&store(&solution, &self.phases));
+        let bytes = encode(&store(&solution));
         self.begin(Stage::Solve, &[SOLUTION_FILE.to_owned()])?;
         write_whole(&path, &bytes)?;
         self.kept.insert(SOLUTION_FILE, stamp::hash(&bytes));
@@ -344,15 +343,13 @@ impl Run<'_> {
         Ok(solution)
     }
 
-    /// The stored solution, with the times that it took when it was computed.
+    /// The stored solution; the phases get the times that it took when it was computed.
     fn restore(&mut self, stored: StoredSolution) -> Solution {
-        let known = Phases::STATICS;
-        for (name, seconds) in stored.phases {
-            if let Some(name) = known.into_iter().find(|known| **known == name) {
-                self.phases.list.push(Phase {
-                    name,
-                    time: Duration::from_secs_f64(seconds),
-                });
+        let manifest = stamp::read(&self.plan.folder, Stage::Solve);
+        for (name, seconds) in manifest.into_iter().flat_map(|manifest| manifest.seconds) {
+            if let Some(name) = Phases::STATICS.into_iter().find(|known| **known == name) {
+                let time = Duration::try_from_secs_f64(seconds).unwrap_or_default();
+                self.phases.list.push(Phase { name, time });
             }
         }
         let [dofs, stiffness_entries, factor_entries] = stored.size;
@@ -380,6 +377,8 @@ impl Run<'_> {
         let start = Instant::now();
         self.lock()?;
         let folder = &self.plan.folder;
+        // A draft in the folder and a manifest that calls all finished must not meet.
+        self.begin(Stage::Output, &[])?;
         let draft = draft(folder)?;
         let mut files = outcome.write(draft.path(), &mut self.phases)?;
         files.push(SUMMARY_FILE.to_owned());
@@ -443,6 +442,7 @@ impl Run<'_> {
             &Manifest {
                 recipe: None,
                 outputs,
+                seconds: Vec::new(),
             },
         )?;
         Ok(obsolete)
@@ -454,12 +454,15 @@ impl Run<'_> {
         for name in files {
             outputs.insert(name.clone(), hash_of(&folder.join(name))?);
         }
+        let seconds = |phase: &Phase| (phase.name.to_owned(), phase.time.as_secs_f64());
+        let seconds = self.phases.list.iter().map(seconds).collect();
         Ok(stamp::write(
             folder,
             stage,
             &Manifest {
                 recipe: Some(recipe),
                 outputs,
+                seconds,
             },
         )?)
     }
@@ -470,7 +473,12 @@ fn lock(folder: &Path) -> Result<File, RunError> {
     fs::create_dir_all(folder.join(".stamps"))
         .map_err(|source| file_error("create", folder, source))?;
     let path = folder.join(LOCK_FILE);
-    let file = File::create(&path).map_err(|source| file_error("create", &path, source))?;
+    let open = File::options()
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .open(&path);
+    let file = open.map_err(|source| file_error("create", &path, source))?;
     match file.try_lock() {
         Ok(()) => Ok(file),
         Err(fs::TryLockError::WouldBlock) => Err(RunError::Busy {
@@ -632,7 +640,7 @@ fn gmsh_error(plan: &Plan, error: GmshError) -> RunError {
         | GmshError::ParameterValue { name, .. } => (format!("geometry/parameters/{name}"), None),
         GmshError::Failed { errors, .. } => match blamed_parameter(plan, errors) {
             Some(name) => (format!("geometry/parameters/{name}"), parameters_help(plan)),
-            None => ("geometry/file".to_owned(), parameters_help(plan)),
+            None => ("geometry/file".to_owned(), None),
         },
         GmshError::FileMissing { .. }
         | GmshError::FileKind { .. }
@@ -677,24 +685,17 @@ fn read_stored<T: for<'de> Deserialize<'de>>(path: &Path) -> Option<(T, Vec<u8>)
     Some((postcard::from_bytes(&bytes).ok()?, bytes))
 }
 
-fn store(solution: &Solution, phases: &Phases) -> StoredSolution {
+fn store(solution: &Solution) -> StoredSolution {
     let SystemSize {
         dofs,
         stiffness_entries,
         factor_entries,
     } = solution.size;
-    let statics = phases
-        .list
-        .iter()
-        .filter(|phase| Phases::STATICS.contains(&phase.name));
     StoredSolution {
         displacement: solution.displacement.clone(),
         reaction: solution.reaction.clone(),
         residual: solution.residual,
         size: [dofs, stiffness_entries, factor_entries],
-        phases: statics
-            .map(|p| (p.name.to_owned(), p.time.as_secs_f64()))
-            .collect(),
     }
 }
 

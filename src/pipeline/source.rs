@@ -1,6 +1,6 @@
 //! The pipeline file's text, and messages that point into it.
 
-use marked_yaml::types::{Marker, Node, Span};
+use marked_yaml::types::{MarkedScalarNode, Marker, Node, Span};
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -119,7 +119,21 @@ impl Source {
                 None => break,
             }
         }
-        Some(self.span_from(self.byte_of(node.span().start()?)))
+        let byte = self.byte_of(node.span().start()?);
+        let is_absent = |scalar: &MarkedScalarNode| scalar.as_str().is_empty();
+        let is_absent = node.as_scalar().is_some_and(is_absent);
+        Some(self.span_from(if is_absent {
+            self.key_before(byte)
+        } else {
+            byte
+        }))
+    }
+
+    /// A value that is not there is marked where the next thing begins: the line that ends before.
+    fn key_before(&self, byte: usize) -> usize {
+        let before = self.text[..byte].trim_end();
+        let line = before.rfind('\n').map_or(0, |newline| newline + 1);
+        line + before[line..].find(|c: char| c != ' ').unwrap_or(0)
     }
 
     fn byte_of(&self, mark: &Marker) -> usize {

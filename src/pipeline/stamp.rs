@@ -123,12 +123,16 @@ fn map_differences(
 }
 
 /// A recipe and what came of it, as it stands in `.stamps/STAGE.json`.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Absent while the stage is writing.
     pub recipe: Option<Recipe>,
     /// File in the results folder → hash of its content.
     pub outputs: BTreeMap<String, String>,
+    /// What the phases so far took [s]. Here, and not in the outputs, so that equal work gives equal
+    /// bytes.
+    #[serde(default)]
+    pub seconds: Vec<(String, f64)>,
 }
 
 /// Why a stage must run; empty where its result is good.

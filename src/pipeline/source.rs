@@ -3,6 +3,7 @@
 use marked_yaml::types::{MarkedScalarNode, Marker, Node, Span};
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use thiserror::Error;
 
 /// What is wrong with the input, where, and how to mend it. Exit code 2.
@@ -13,7 +14,7 @@ pub struct InputError {
     #[help]
     pub help: Option<String>,
     #[source_code]
-    source_code: Option<NamedSource<String>>,
+    source_code: Option<Arc<NamedSource<String>>>,
     #[label("here")]
     span: Option<SourceSpan>,
 }
@@ -101,7 +102,7 @@ impl Source {
         InputError {
             message,
             help,
-            source_code: Some(source),
+            source_code: Some(Arc::new(source)),
             span: Some(span),
         }
     }

@@ -290,7 +290,7 @@ fn materials() {
         "",
         &["bar.yaml: the key `materials` is missing", "add, say"],
     );
-    // Line 7 becomes line 8: without marks, since the file uses an anchor, the key says where.
+    // Where the file uses anchors there are no marks, and the key says where.
     assert_edit(
         "solid: { young: 100 GPa",
         "solid: &s { young: 1 x",

@@ -92,8 +92,7 @@ fn every_pipeline_is_tested() {
     assert_eq!(stems.collect::<BTreeSet<_>>(), tested);
 }
 
-/// T6 and T3 beside a coarse lattice: within 3 % of σL/E, and nearer than the Poisson effect of
-/// the clamp allows by chance.
+/// T3 and T6 beside a coarse lattice: -0.7 and +0.5 % of σL/E.
 #[test]
 fn triangles_run_too() {
     for order in ["1", "2"] {
@@ -105,6 +104,6 @@ fn triangles_run_too() {
         // Two triangles in each of 40 × 10 squares, four fifths of them finite elements.
         assert_eq!(summary["sizes"]["finite_elements"], 2 * 40 * 10);
         let u = tip(&summary);
-        assert!((u / 1.05e-5 - 1.0).abs() < 0.03, "{u:e}");
+        assert!((u / 1.05e-5 - 1.0).abs() < 0.01, "{u:e}");
     }
 }

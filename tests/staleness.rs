@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use workplace::Workplace;
 
 const ALL: [&str; 3] = ["mesh", "solve", "output"];
-/// What `explain` shows of the results.
+/// Every file of the results.
 const RESULTS: [&str; 9] = [
     "bar.pvd",
     "bar_elements.vtu",
@@ -84,7 +84,7 @@ fn each_edit_runs_what_depends_on_it() {
     ];
     for (index, (file, old, new, stages)) in cases.into_iter().enumerate() {
         place.edit(file, old, new);
-        // Case 4 reverts nothing but rewrites a quantity: only the load of case 3 is left to undo.
+        // The spacing is the same in metres; the load goes back, and that is noticed.
         if index == 4 {
             place.edit(bar, "2 MPa", "1.05e6 Pa");
         }

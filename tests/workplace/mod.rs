@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 pub const BINARY: &str = env!("CARGO_BIN_EXE_peristitch");
 
-/// 64 elements of 50 mm around a band of 320 bonds' reach: a run takes a tenth of a second.
+/// 64 elements of 50 mm on both sides of 256 material points: a run takes a tenth of a second.
 pub const PIPELINE: &str = "\
 name: bar
 geometry:

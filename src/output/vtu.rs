@@ -371,10 +371,10 @@ mod tests {
         part.cell_data = vec![Field::integer(FieldName::Region, vec![0, 1])];
         assert_eq!(
             message(&part),
-            "the field `region` has 2 values for 1 cells"
+            "the field `region_id` has 2 values for 1 cells"
         );
         part.cell_data = vec![Field::integer(FieldName::Region, vec![0]); 2];
-        assert_eq!(message(&part), "the field `region` is given twice on cells");
+        assert_eq!(message(&part), "the field `region_id` is given twice on cells");
     }
 
     #[test]

@@ -374,7 +374,10 @@ mod tests {
             "the field `region_id` has 2 values for 1 cells"
         );
         part.cell_data = vec![Field::integer(FieldName::Region, vec![0]); 2];
-        assert_eq!(message(&part), "the field `region_id` is given twice on cells");
+        assert_eq!(
+            message(&part),
+            "the field `region_id` is given twice on cells"
+        );
     }
 
     #[test]

@@ -58,6 +58,9 @@ type Segment = [[f64; 2]; 2];
 /// rounding errors.
 const LAYER_DEPTH: f64 = 0.5 + 1e-6;
 
+/// Sides whose distances differ by less, in spacings, are equally near.
+const EQUALLY_NEAR: f64 = 1e-9;
+
 /// How far, in spacings, a physical point may be from the material point that stands for it: half
 /// a diagonal, with room for rounding errors.
 const POINT_REACH: f64 = 0.71;
@@ -273,33 +276,57 @@ fn length(model: &Model, edges: &[Edge]) -> f64 {
 }
 
 /// The material points within dx/2 of the edges, ascending.
+///
+/// Where a corner of the curve is nearest, or two sides are equally near, the normal is their mean:
+/// the choice of one would turn the loads on a hole all the same way round.
 fn layer(model: &Model, points: &PointRegion, edges: &[Edge]) -> Vec<LayerPoint> {
     let depth = LAYER_DEPTH * points.micromodulus.spacing;
+    let same = EQUALLY_NEAR * points.micromodulus.spacing;
     let positions = &model.positions[points.nodes.clone()];
     let bins = Bins::new(positions, points.micromodulus.spacing);
-    let mut nearest: BTreeMap<u32, (f64, Segment)> = BTreeMap::new();
+    let mut nearest: BTreeMap<u32, (f64, [f64; 2])> = BTreeMap::new();
     for segment in edges
         .iter()
         .flat_map(|edge| short_segments(model, edge, points))
     {
         let middle = [0, 1].map(|axis| 0.5 * (segment[0][axis] + segment[1][axis]));
+        let normal = right_of(segment);
         bins.visit_around(middle, |i| {
             let (_, distance) = nearest_on_segment(positions[i as usize], segment);
-            let closer = nearest.get(&i).is_none_or(|&(other, _)| distance < other);
-            if distance <= depth && closer {
-                nearest.insert(i, (distance, segment));
+            if distance > depth {
+                return;
+            }
+            let (other, sum) = nearest.entry(i).or_insert((distance, [0.0; 2]));
+            if distance < *other - same {
+                (*other, *sum) = (distance, normal);
+            } else if distance < *other + same {
+                *sum = [sum[0] + normal[0], sum[1] + normal[1]];
             }
         });
     }
-    let point = |(i, (_, [a, b])): (u32, (f64, Segment))| {
-        let along = [b[0] - a[0], b[1] - a[1]];
-        let length = along[0].hypot(along[1]);
-        LayerPoint {
-            node: points.nodes.start + i as usize,
-            normal: [along[1] / length, -along[0] / length],
-        }
+    let point = |(i, (_, sum)): (u32, (f64, [f64; 2]))| LayerPoint {
+        node: points.nodes.start + i as usize,
+        normal: mean_direction(sum),
     };
     nearest.into_iter().map(point).collect()
+}
+
+/// Unit normal to the right of a segment's direction.
+fn right_of([a, b]: Segment) -> [f64; 2] {
+    let along = [b[0] - a[0], b[1] - a[1]];
+    let length = along[0].hypot(along[1]);
+    [along[1] / length, -along[0] / length]
+}
+
+/// The direction of a sum of unit normals; none where opposite sides are equally near, whose pressures
+/// cancel.
+fn mean_direction(sum: [f64; 2]) -> [f64; 2] {
+    let length = sum[0].hypot(sum[1]);
+    if length > 1e-6 {
+        sum.map(|n| n / length)
+    } else {
+        [0.0; 2]
+    }
 }
 
 /// An edge in pieces no longer than dx, so that the bins around a piece's middle hold its layer.

@@ -2,13 +2,14 @@
 //! Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.
 
 use crate::pipeline::plan::Plan;
-use crate::pipeline::run::{self, Observer, Options, RunError};
+use crate::pipeline::run::{self, Observer, Options, RunError, Standing};
 use crate::pipeline::source::InputError;
 use crate::pipeline::stamp::Stage;
 use crate::statics::Estimate;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -103,6 +104,7 @@ impl From<StageName> for Stage {
 
 /// Parses the arguments and does what they say.
 pub fn main() -> ExitCode {
+    set_up_messages();
     match Cli::parse().command {
         Command::Run {
             common,
@@ -141,44 +143,68 @@ pub fn main() -> ExitCode {
 
 /// Reads all pipelines before the first one acts, so that bad input stops everything.
 fn for_each(common: &Common, act: impl Fn(&Plan) -> Result<(), RunError>) -> ExitCode {
-    let mut plans = Vec::new();
-    for pipeline in &common.pipelines {
-        match common.plan(pipeline) {
-            Ok(plan) => plans.push(plan),
-            Err(error) => return report(error),
+    let plans: Result<Vec<Plan>, RunError> = common
+        .pipelines
+        .iter()
+        .map(|pipeline| common.plan(pipeline))
+        .collect();
+    let done = plans.and_then(|plans| {
+        check_folders(&plans)?;
+        plans.iter().try_for_each(act)
+    });
+    done.map_or_else(report, |()| ExitCode::SUCCESS)
+}
+
+/// Each pipeline needs a results folder of its own.
+fn check_folders(plans: &[Plan]) -> Result<(), InputError> {
+    let mut owners = BTreeMap::new();
+    for plan in plans {
+        if let Some(first) = owners.insert(&plan.folder, plan) {
+            let (first, second) = (first.source.path.display(), plan.source.path.display());
+            let message = format!(
+                "{first} and {second} both write to {}",
+                plan.folder.display()
+            );
+            let help = "give each pipeline a `name` of its own".to_owned();
+            return Err(InputError::plain(message, Some(help)));
         }
     }
-    for plan in &plans {
-        if let Err(error) = act(plan) {
-            return report(error);
-        }
-    }
-    ExitCode::SUCCESS
+    Ok(())
 }
 
 fn report(error: RunError) -> ExitCode {
-    match error {
-        RunError::Input(error) => {
-            eprintln!("{:?}", miette::Report::new(*error));
-            ExitCode::from(2)
+    let (report, code) = match error {
+        RunError::Input(error) => (*error, 2),
+        failure => (InputError::plain(with_causes(&failure), failure.help()), 1),
+    };
+    eprintln!("{:?}", miette::Report::new(report));
+    ExitCode::from(code)
+}
+
+/// The message, and each cause that it does not tell itself.
+fn with_causes(failure: &RunError) -> String {
+    let mut message = failure.to_string();
+    let mut cause = std::error::Error::source(failure);
+    while let Some(source) = cause {
+        let text = source.to_string();
+        if !message.contains(&text) {
+            message.push_str(&format!(": {text}"));
         }
-        failure => {
-            let mut message = failure.to_string();
-            let mut cause = std::error::Error::source(&failure);
-            while let Some(source) = cause {
-                let text = source.to_string();
-                if !message.contains(&text) {
-                    message.push_str(&format!(": {text}"));
-                }
-                cause = source.source();
-            }
-            eprintln!(
-                "{:?}",
-                miette::Report::new(InputError::plain(message, None))
-            );
-            ExitCode::from(1)
-        }
+        cause = source.source();
     }
+    message
+}
+
+/// Messages are wrapped for a person's terminal alone: a log is searched for them.
+fn set_up_messages() {
+    let is_terminal = std::io::stderr().is_terminal();
+    let set = miette::set_hook(Box::new(move |_| {
+        let options = miette::MietteHandlerOpts::new()
+            .wrap_lines(is_terminal)
+            .break_words(false);
+        Box::new(options.build())
+    }));
+    set.expect("it is set once, before the first message");
 }
 
 fn run_one(plan: &Plan, options: &Options) -> Result<(), RunError> {
@@ -192,24 +218,31 @@ fn run_one(plan: &Plan, options: &Options) -> Result<(), RunError> {
 }
 
 fn announce(plan: &Plan, options: &Options) -> Result<(), RunError> {
-    for (stage, reasons) in run::staleness(plan)? {
+    for (stage, standing) in run::standings(plan)? {
         if stage <= options.until {
-            let verb = if options.force || !reasons.is_empty() {
-                "would run"
-            } else {
-                "is fresh"
+            let verb = match standing {
+                _ if options.force => "would run".to_owned(),
+                Standing::Fresh => "fresh".to_owned(),
+                Standing::Stale(_) => "would run".to_owned(),
+                Standing::After(earlier) => {
+                    format!("would run if {earlier} delivers something new")
+                }
             };
-            println!("{}: {stage} {verb}", plan.name);
+            println!("{}: {stage:<6} {verb}", plan.name);
         }
     }
     Ok(())
 }
 
 fn list(plan: &Plan, reasons_too: bool) -> Result<(), RunError> {
-    for (stage, reasons) in run::staleness(plan)? {
-        let state = if reasons.is_empty() { "fresh" } else { "stale" };
+    for (stage, standing) in run::standings(plan)? {
+        let state = match &standing {
+            Standing::Fresh => "fresh".to_owned(),
+            Standing::Stale(_) => "stale".to_owned(),
+            Standing::After(earlier) => format!("stale if {earlier} delivers something new"),
+        };
         println!("{}: {stage:<6} {state}", plan.name);
-        if reasons_too {
+        if let (true, Standing::Stale(reasons)) = (reasons_too, standing) {
             reasons.iter().for_each(|reason| println!("    {reason}"));
         }
     }

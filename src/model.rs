@@ -124,7 +124,16 @@ pub enum ModelError {
     },
     #[error("region `{region}` holds no material point: the spacing is larger than the region")]
     NoMaterialPoint { region: String },
+    #[error("region `{region}` would hold {points:.1e} material points, more than {limit:.0e}")]
+    TooManyPoints {
+        region: String,
+        points: f64,
+        limit: f64,
+    },
 }
+
+/// More material points than these are a slip of the pen: their factor takes terabytes.
+const MOST_POINTS: f64 = 1e7;
 
 impl Model {
     /// # Errors
@@ -177,6 +186,17 @@ impl Model {
     /// Finite-element nodes come first: their number.
     pub fn fe_node_count(&self) -> usize {
         self.node_count() - self.areas.len()
+    }
+
+    /// Lower left and upper right corner of the box around all nodes [m].
+    pub fn bounds(&self) -> [[f64; 2]; 2] {
+        let extreme = |pick: fn(f64, f64) -> f64, from: f64| {
+            [0, 1].map(|axis| self.positions.iter().map(|x| x[axis]).fold(from, pick))
+        };
+        [
+            extreme(f64::min, f64::INFINITY),
+            extreme(f64::max, f64::NEG_INFINITY),
+        ]
     }
 
     pub fn cell(&self, element: usize) -> &Cell {
@@ -262,6 +282,7 @@ impl Model {
                 continue;
             };
             let outline = Outline::of_cells(&self.mesh, &region.cells);
+            check_count(region, &outline, settings.lattice.spacing)?;
             let Lattice { positions, areas } =
                 lattice(&outline, &self.interface_segments(index), &settings.lattice);
             if positions.is_empty() {
@@ -381,6 +402,24 @@ impl Model {
         }
         areas
     }
+}
+
+/// The lattice is laid over the outline's bounding box: that must fit into memory.
+fn check_count(region: &Region, outline: &Outline, spacing: f64) -> Result<(), ModelError> {
+    let [low, high] = outline.bounds();
+    let points = [0, 1]
+        .iter()
+        .map(|&axis| 1.0 + (high[axis] - low[axis]) / spacing)
+        .product();
+    if points > MOST_POINTS {
+        let region = region.name.clone();
+        return Err(ModelError::TooManyPoints {
+            region,
+            points,
+            limit: MOST_POINTS,
+        });
+    }
+    Ok(())
 }
 
 fn check_cells(mesh: &Mesh, regions: &[Region]) -> Result<(), ModelError> {

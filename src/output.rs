@@ -36,7 +36,8 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         })
 }
 
-fn partial_name(path: &Path) -> PathBuf {
+/// Where [`write_whole`] writes; what a killed run may leave.
+pub fn partial_name(path: &Path) -> PathBuf {
     let mut name = path.file_name().map_or_else(OsString::new, OsString::from);
     name.push(".partial");
     path.with_file_name(name)

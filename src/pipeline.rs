@@ -9,3 +9,4 @@ pub mod source;
 pub mod spec;
 pub mod stamp;
 pub mod validate;
+pub mod yaml;

@@ -192,16 +192,11 @@ impl<'a> Solver<'a> {
         loop {
             let system = self.system(intact, pinned, mechanisms, phases);
             let factor = phases.measure("factorisation", || self.symbolic.factorise(&system.held));
-            let found = match &factor {
-                Ok(factor) => factor.pivots_below(VANISHING * mean_diagonal(&system.stiffness)),
-                Err(SolverError::NotPositiveDefinite { dof }) => vec![*dof],
-                Err(_) => Vec::new(),
-            };
-            let known = mechanisms.len();
-            mechanisms.extend(found);
-            if mechanisms.len() == known {
-                let factor = factor.map_err(|error| locate(self.model, &self.pattern, error))?;
-                return self.finish(&system, &factor, phases);
+            match factor {
+                Ok(factor) => return self.finish(&system, &factor, phases),
+                // The set grows with every turn, so that the loop ends.
+                Err(SolverError::NotPositiveDefinite { dof }) if mechanisms.insert(dof) => {}
+                Err(error) => return Err(locate(self.model, &self.pattern, error)),
             }
         }
     }
@@ -242,10 +237,6 @@ impl<'a> Solver<'a> {
         Ok(solution)
     }
 }
-
-/// Pivots below this share of the mean diagonal vanish: rounding leaves 1e-14 of it, and the softest
-/// motion of a body of 10⁶ nodes 1e-7.
-const VANISHING: f64 = 1e-11;
 
 fn check(model: &Model, solution: &Solution) -> Result<(), StaticsError> {
     let finite = |u: &[f64; 2]| u[0].is_finite() && u[1].is_finite();

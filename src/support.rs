@@ -25,7 +25,7 @@ impl fmt::Display for RigidMotion {
             RigidMotion::MoveX => write!(f, "move in x"),
             RigidMotion::MoveY => write!(f, "move in y"),
             RigidMotion::Move([x, y]) => write!(f, "move along ({x:.3}, {y:.3})"),
-            RigidMotion::Turn([x, y]) => write!(f, "turn about ({x:.4e}, {y:.4e}) m"),
+            RigidMotion::Turn([x, y]) => write!(f, "turn about ({x}, {y}) m"),
         }
     }
 }
@@ -57,7 +57,7 @@ fn names(regions: &[String], whole: bool) -> String {
 
 fn motions(free: &[RigidMotion]) -> String {
     let list: Vec<String> = free.iter().map(ToString::to_string).collect();
-    list.join(", ")
+    list.join(" and ")
 }
 
 /// Motions whose square is below this, against the best held one, count as free: constraint rows are
@@ -201,7 +201,10 @@ fn null_space(held: Matrix3<f64>) -> Vec<Vector3<f64>> {
 fn describe(motion: Vector3<f64>, centre: [f64; 2], size: f64) -> RigidMotion {
     let [ax, ay, turn] = [motion[0], motion[1], motion[2] / size];
     if motion[2].abs() > 1e-6 {
-        return RigidMotion::Turn([centre[0] - ay / turn, centre[1] + ax / turn]);
+        let about = [centre[0] - ay / turn, centre[1] + ax / turn];
+        // Digits below a billionth of the body are rounding; the sum makes -0 a 0.
+        let digit = 10_f64.powf((1e-9 * size).log10().ceil());
+        return RigidMotion::Turn(about.map(|x| (x / digit).round() / (1.0 / digit) + 0.0));
     }
     if ay.abs() < 1e-6 {
         RigidMotion::MoveX

@@ -6,7 +6,6 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
@@ -28,6 +27,16 @@ pub enum SolverError {
 
 /// Below this a second thread costs more than it brings (docs/performance.md).
 const PARALLEL_FLOPS: f64 = 1e10;
+
+/// Products of dense blocks are cut into this many parts, whatever the number of threads: the cuts
+/// decide the order of sums, and so the bits. Measured on one and two threads, where it costs no more
+/// than a few percent; threads past the eighth find no part of a product.
+const PARTS: usize = 8;
+
+/// The least pivot L_jj² over K_jj. A singular K leaves pivots of rounding size, some 1e-16, of either
+/// sign. A body that is held has larger ones: beam theory gives some 1e-10 for a cantilever a thousand
+/// times as long as deep, and they fall with the cube of that ratio.
+const LEAST_PIVOT: f64 = 1e-13;
 
 /// The structure of L, from the pattern of K alone.
 #[derive(Clone, Debug)]
@@ -67,12 +76,11 @@ impl Symbolic {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
         };
-        let structure =
-            factorize_symbolic_cholesky(pattern, Side::Lower, ordering, params).map_err(
-                |_| SolverError::OutOfMemory {
-                    dofs: pattern.ncols(),
-                },
-            )?;
+        let structure = factorize_symbolic_cholesky(pattern, Side::Lower, ordering, params);
+        let out_of_memory = |_| SolverError::OutOfMemory {
+            dofs: pattern.ncols(),
+        };
+        let structure = structure.map_err(out_of_memory)?;
         Ok(Symbolic {
             structure: Arc::new(structure),
         })
@@ -104,28 +112,25 @@ impl Symbolic {
             .sum()
     }
 
-    /// L of a matrix with this pattern.
+    /// L of a matrix with this pattern, on all threads where the work is worth it.
     ///
     /// # Errors
     /// [`SolverError::NotPositiveDefinite`], [`SolverError::OutOfMemory`].
     pub fn factorise(&self, matrix: &LowerMatrix) -> Result<Factor, SolverError> {
-        self.factorise_with(matrix, self.par())
+        let worth_it = self.flops() > PARALLEL_FLOPS;
+        let par = if worth_it {
+            Par::rayon(PARTS)
+        } else {
+            Par::Seq
+        };
+        self.factorise_with(matrix, par)
     }
 
-    /// All threads where the work is worth it.
-    fn par(&self) -> Par {
-        if self.flops() > PARALLEL_FLOPS { Par::rayon(0) } else { Par::Seq }
-    }
-
-    /// The same with a given parallelism: for benchmarks.
+    /// L of a matrix with this pattern.
     ///
     /// # Errors
-    /// As [`Symbolic::factorise`].
-    pub fn factorise_with(
-        &self,
-        matrix: &LowerMatrix,
-        par: Par,
-    ) -> Result<Factor, SolverError> {
+    /// [`SolverError::NotPositiveDefinite`], [`SolverError::OutOfMemory`].
+    pub fn factorise_with(&self, matrix: &LowerMatrix, par: Par) -> Result<Factor, SolverError> {
         let out_of_memory = || SolverError::OutOfMemory {
             dofs: matrix.ncols(),
         };
@@ -148,7 +153,8 @@ impl Symbolic {
                 MemStack::new(&mut memory),
                 Default::default(),
             )
-            .map_err(|error| self.not_positive(error))?;
+            .map_err(|LltError::NonPositivePivot { index }| self.not_positive(index))?;
+        self.check_pivots(matrix, &values)?;
         Ok(Factor {
             structure: self.structure.clone(),
             values,
@@ -156,14 +162,40 @@ impl Symbolic {
         })
     }
 
-    fn not_positive(&self, LltError::NonPositivePivot { index }: LltError) -> SolverError {
-        SolverError::NotPositiveDefinite { dof: dof_at(&self.structure, index) }
+    /// L_jj² against K_jj, for what rounding has left of a zero pivot.
+    fn check_pivots(&self, matrix: &LowerMatrix, values: &[f64]) -> Result<(), SolverError> {
+        let SymbolicCholeskyRaw::Supernodal(supernodes) = self.structure.raw() else {
+            return Ok(());
+        };
+        for s in 0..supernodes.n_supernodes() {
+            let supernode = supernodes.supernode(s);
+            let columns = supernode.start()..supernodes.supernode_end()[s] as usize;
+            let rows = columns.len() + supernode.pattern().len();
+            let block = &values[supernodes.col_ptr_for_val()[s] as usize..];
+            for (j, column) in columns.enumerate() {
+                // The lower triangle's columns start at their diagonal.
+                let diagonal = matrix.val_of_col(self.dof(column))[0];
+                // False for a pivot that is not a number.
+                let sound = block[j * (rows + 1)].powi(2) > LEAST_PIVOT * diagonal;
+                if !sound {
+                    return Err(self.not_positive(column));
+                }
+            }
+        }
+        Ok(())
     }
-}
 
-/// The dof that is eliminated at a position.
-fn dof_at(structure: &SymbolicCholesky<u32>, position: usize) -> usize {
-    structure.perm().map_or(position, |p| p.arrays().0[position] as usize)
+    fn not_positive(&self, index: usize) -> SolverError {
+        SolverError::NotPositiveDefinite {
+            dof: self.dof(index),
+        }
+    }
+
+    /// The dof that is eliminated at `index`.
+    fn dof(&self, index: usize) -> usize {
+        let order = self.structure.perm().map(|p| p.arrays().0);
+        order.map_or(index, |order| order[index] as usize)
+    }
 }
 
 /// L.
@@ -175,23 +207,6 @@ pub struct Factor {
 }
 
 impl Factor {
-    /// The dofs whose pivot is below `limit` [N/m], ascending: near-singular motions begin there.
-    pub fn pivots_below(&self, limit: f64) -> Vec<usize> {
-        let SymbolicCholeskyRaw::Supernodal(supernodes) = self.structure.raw() else {
-            return Vec::new();
-        };
-        let factor = SupernodalLltRef::new(supernodes, &self.values);
-        let small = (0..supernodes.n_supernodes()).flat_map(|s| {
-            let supernode = factor.supernode(s);
-            let columns = 0..supernode.val().ncols();
-            let small = columns.filter(move |&k| supernode.val()[(k, k)].powi(2) < limit);
-            small.map(move |k| supernode.start() + k)
-        });
-        let mut dofs: Vec<usize> = small.map(|k| dof_at(&self.structure, k)).collect();
-        dofs.sort_unstable();
-        dofs
-    }
-
     /// Overwrites `rhs` by K⁻¹ rhs.
     pub fn solve_in_place(&self, rhs: &mut [f64]) {
         let mut memory = MemBuffer::new(self.structure.solve_in_place_scratch::<f64>(1, self.par));

@@ -1,5 +1,8 @@
 //! Nested dissection by METIS (Karypis & Kumar 1998).
 //!
+//! METIS draws its random numbers, seeded anew by every call, from one state for the whole process: two
+//! calls at a time would disturb each other's order.
+//!
 //! The safe `metis` crate does not offer METIS_NodeND, so that this one call goes to its `-sys` crate.
 #![allow(unsafe_code)]
 
@@ -7,6 +10,10 @@ use crate::assembly::Lists;
 use metis_sys::{
     METIS_NOPTIONS, METIS_NodeND, METIS_SetDefaultOptions, idx_t, rstatus_et_METIS_OK,
 };
+use std::sync::{Mutex, PoisonError};
+
+/// Held by the one call that METIS can serve.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 /// The order in which to eliminate the nodes of an undirected graph without loops.
 ///
@@ -23,6 +30,8 @@ pub fn nested_dissection(graph: &Lists) -> Result<Vec<u32>, i32> {
     let mut order: Vec<idx_t> = vec![0; graph.len()];
     let mut position: Vec<idx_t> = vec![0; graph.len()];
     let mut options = [0; METIS_NOPTIONS as usize];
+    // A panic cannot leave METIS halfway: it is C.
+    let turn = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     // SAFETY: the arrays have the lengths that METIS_NodeND documents (n + 1, xadj[n], n, n) and
     // outlive the call; METIS keeps no pointer.
     let status = unsafe {
@@ -37,6 +46,7 @@ pub fn nested_dissection(graph: &Lists) -> Result<Vec<u32>, i32> {
             position.as_mut_ptr(),
         )
     };
+    drop(turn);
     if status == rstatus_et_METIS_OK {
         Ok(order.into_iter().map(|node| node as u32).collect())
     } else {

@@ -140,7 +140,14 @@ impl Micromodulus {
     /// Axial stiffness k = c(ξ) A_i A_j h_t / ξ of a bond or truss [N/m], Qian et al. (2021),
     /// eqs. (19) and (20), which print force densities: times the two areas and the thickness.
     pub fn axial_stiffness(&self, xi: f64, areas: [f64; 2], thickness: f64) -> f64 {
-        let c = self.c0 * self.kernel.value(xi / self.horizon) * self.area_fraction(xi);
+        let r = xi / self.horizon;
+        // A bond of exactly δ, whatever the rounding errors: kernels that fade are zero there.
+        let r = if (r - 1.0).abs() <= REACH_TOLERANCE {
+            1.0
+        } else {
+            r
+        };
+        let c = self.c0 * self.kernel.value(r) * self.area_fraction(xi);
         c * areas[0] * areas[1] * thickness / xi
     }
 }
@@ -209,6 +216,20 @@ mod tests {
             .map(|i| f(from + (i as f64 + 0.5) * step))
             .sum::<f64>()
             * step
+    }
+
+    #[test]
+    fn a_bond_of_exactly_the_horizon_has_no_stiffness_under_a_fading_kernel() {
+        for xi in [1.0 - 1e-15, 1.0, 1.0 + 1e-15] {
+            for (kernel, fades) in [(Kernel::Quartic, true), (Kernel::Constant, false)] {
+                let c = micromodulus(kernel, PlaneState::Stress);
+                assert_eq!(
+                    c.axial_stiffness(xi, [1.0; 2], 1.0) == 0.0,
+                    fades,
+                    "{kernel:?}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -4,6 +4,7 @@
 use super::quantity::{self, Dimension};
 use super::source::{InputError, Source, choices};
 use super::spec::{self, Spec};
+use super::yaml;
 use crate::coupling::truss::NodeArea;
 use crate::fem::edge::EdgeLoad;
 use crate::gmsh::Value;
@@ -11,8 +12,8 @@ use crate::material::{Material, PlaneState};
 use crate::model::{Method, ModelSettings, PeridynamicSettings};
 use crate::peridynamics::kernel::{Kernel, PartialArea};
 use crate::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
-use serde_yaml::Value as Yaml;
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// A pipeline that is ready to run.
@@ -93,13 +94,10 @@ impl Plan {
         overrides: &[String],
         results: Option<&Path>,
     ) -> Result<Plan, InputError> {
-        let text = std::fs::read_to_string(path).map_err(|error| {
-            let message = format!("the pipeline {} cannot be read: {error}", path.display());
-            InputError::plain(message, nearby_pipelines(path))
-        })?;
-        let overrides = parse_overrides(overrides)?;
+        let text = read_text(path)?;
+        let overrides = yaml::parse_overrides(overrides)?;
         let source = Source::new(path, text, overrides);
-        let spec = parse(&source)?;
+        let spec = yaml::parse(&source)?;
         let reader = Reader {
             source: &source,
             spec: &spec,
@@ -130,19 +128,71 @@ impl Plan {
     }
 }
 
-fn nearby_pipelines(path: &Path) -> Option<String> {
+fn read_text(path: &Path) -> Result<String, InputError> {
+    let name = path.display();
+    if path.is_dir() {
+        let pipelines = files_in(path, &["yaml", "yml"]);
+        let list: Vec<String> = pipelines
+            .iter()
+            .map(|file| format!("`{}`", path.join(file).display()))
+            .collect();
+        let help = match list.as_slice() {
+            [] => "it holds no `.yaml` file".to_owned(),
+            list => format!("name a file: {}", list.join(", ")),
+        };
+        return Err(InputError::plain(
+            format!("{name} is a folder, not a pipeline file"),
+            Some(help),
+        ));
+    }
+    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => {
+            let message = format!("there is no pipeline file {name}");
+            InputError::plain(message, similar_file(path, &["yaml", "yml"]))
+        }
+        _ => InputError::plain(format!("the pipeline {name} cannot be read: {error}"), None),
+    })?;
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
+        let message = format!("{name}:{line}: the pipeline is not UTF-8 text");
+        InputError::plain(message, Some("save it as UTF-8 in your editor".to_owned()))
+    })
+}
+
+/// Which file beside `path` was perhaps meant, or which there are.
+fn similar_file(path: &Path, extensions: &[&str]) -> Option<String> {
     let folder = path
         .parent()
         .filter(|p| !p.as_os_str().is_empty())
         .unwrap_or(Path::new("."));
-    let mut names: Vec<String> = std::fs::read_dir(folder)
-        .ok()?
-        .filter_map(|entry| entry.ok()?.path().to_str().map(str::to_owned))
-        .filter(|name| name.ends_with(".yaml") || name.ends_with(".yml"))
-        .collect();
+    let given = path.file_name()?.to_str()?;
+    if !folder.is_dir() {
+        return Some(format!("there is no folder {} either", folder.display()));
+    }
+    let names = files_in(folder, extensions);
+    let list = choices(given, names.iter().map(String::as_str));
+    let place = folder.display();
+    Some(if names.is_empty() {
+        format!("no such file is in {place}")
+    } else {
+        format!("in {place}: {list}")
+    })
+}
+
+/// Names of the files in a folder that have one of the extensions, sorted.
+fn files_in(folder: &Path, extensions: &[&str]) -> Vec<String> {
+    let known = |name: &String| {
+        let extension = Path::new(name)
+            .extension()
+            .and_then(|extension| extension.to_str());
+        extension.is_some_and(|extension| extensions.contains(&extension))
+    };
+    let entries = std::fs::read_dir(folder).into_iter().flatten();
+    let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let mut names: Vec<String> = names.filter(known).collect();
     names.sort();
-    let given = path.to_str()?;
-    (!names.is_empty()).then(|| choices(given, names.iter().map(String::as_str)))
+    names
 }
 
 fn default_results(pipeline: &Path) -> PathBuf {
@@ -158,90 +208,6 @@ fn default_results(pipeline: &Path) -> PathBuf {
 
 fn in_pipelines_folder() -> bool {
     std::env::current_dir().is_ok_and(|d| d.file_name().is_some_and(|name| name == "pipelines"))
-}
-
-fn parse_overrides(overrides: &[String]) -> Result<Vec<(String, String)>, InputError> {
-    let parse = |text: &String| match text.split_once('=') {
-        Some((key, value)) if !key.is_empty() => Ok((key.replace('.', "/"), value.to_owned())),
-        _ => Err(InputError::plain(
-            format!("`--set {text}` is not of the form key=value"),
-            Some(
-                "write, say, `--set regions.0.horizon=3` or `--set geometry.parameters.h=5`".into(),
-            ),
-        )),
-    };
-    overrides.iter().map(parse).collect()
-}
-
-fn parse(source: &Source) -> Result<Spec, InputError> {
-    if source.overrides().is_empty() {
-        return serde_yaml::from_str(source.text()).map_err(|error| yaml_error(source, &error));
-    }
-    let mut document: Yaml =
-        serde_yaml::from_str(source.text()).map_err(|error| yaml_error(source, &error))?;
-    for (key, value) in source.overrides() {
-        override_value(&mut document, key, value).map_err(|help| {
-            let message = format!(
-                "`--set {}={value}` names no place in the pipeline",
-                key.replace('/', ".")
-            );
-            InputError::plain(message, Some(help))
-        })?;
-    }
-    serde_yaml::from_value(document).map_err(|error| yaml_error(source, &error))
-}
-
-/// Puts `value` at `key`; keys on the way must exist, the last one need not.
-fn override_value(document: &mut Yaml, key: &str, value: &str) -> Result<(), String> {
-    let mut place = document;
-    for step in key.split('/') {
-        place = match place {
-            Yaml::Sequence(list) => {
-                let count = list.len();
-                let index = step.parse().ok().filter(|k: &usize| *k < count);
-                let index =
-                    index.ok_or_else(|| format!("`{step}` must be a number below {count}"))?;
-                &mut list[index]
-            }
-            Yaml::Mapping(mapping) => mapping.entry(step.into()).or_insert(Yaml::Null),
-            Yaml::Null => {
-                *place = Yaml::Mapping(Default::default());
-                place
-                    .as_mapping_mut()
-                    .expect("it was just made")
-                    .entry(step.into())
-                    .or_insert(Yaml::Null)
-            }
-            _ => return Err(format!("there is nothing below what holds `{step}`")),
-        };
-    }
-    *place = serde_yaml::from_str(value).unwrap_or_else(|_| Yaml::String(value.to_owned()));
-    Ok(())
-}
-
-/// serde's message without its position, which the diagnostic shows, and with the closest choice.
-fn yaml_error(source: &Source, error: &serde_yaml::Error) -> InputError {
-    let full = error.to_string();
-    let message = full.split(" at line ").next().unwrap_or(&full).to_owned();
-    let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
-    let help = match quoted.split_first() {
-        Some((given, valid)) if message.contains("unknown") && !valid.is_empty() => {
-            Some(choices(given, valid.iter().copied()))
-        }
-        _ => None,
-    };
-    let summary = match help {
-        Some(_) => message
-            .split(", expected")
-            .next()
-            .unwrap_or(&message)
-            .to_owned(),
-        None => message,
-    };
-    match error.location() {
-        Some(location) => source.error_at_byte(location.index(), summary, help),
-        None => source.error("", summary, help),
-    }
 }
 
 /// Turns the spec into numbers; every error carries its key.
@@ -284,7 +250,11 @@ impl Reader<'_> {
         if number > 0.0 {
             return Ok(number);
         }
-        let help = Some(format!("write {} greater than zero", expected.describe()));
+        let help = Some(format!(
+            "write {} greater than zero, such as `{}`",
+            expected.name(),
+            expected.example()
+        ));
         Err(self
             .source
             .error(key, format!("`{}` is not positive", value.0), help))
@@ -295,8 +265,17 @@ impl Reader<'_> {
         let folder = self.source.path.parent().unwrap_or(Path::new(""));
         let file = folder.join(&geometry.file);
         if !file.is_file() {
-            let message = format!("the geometry file {} does not exist", file.display());
-            let help = "the path is relative to the pipeline file".to_owned();
+            let what = if file.is_dir() {
+                "is a folder"
+            } else {
+                "does not exist"
+            };
+            let message = format!("the geometry file {} {what}", file.display());
+            let nearby = if file.is_dir() { file.join("x") } else { file };
+            let mut help = "the path is relative to the pipeline file".to_owned();
+            if let Some(similar) = similar_file(&nearby, &["geo", "msh"]) {
+                help.push_str(&format!("; {similar}"));
+            }
             return Err(self.source.error("geometry/file", message, Some(help)));
         }
         let unit = spec::Scalar(format!("1 {}", geometry.unit));
@@ -366,7 +345,7 @@ impl Reader<'_> {
             let method = match region.model {
                 spec::RegionModel::Fem => self.finite_elements(index, region)?,
                 spec::RegionModel::Peridynamics => {
-                    self.check_poisson(&key("material"), region, &material, plane)?;
+                    self.check_poisson(region, &material, plane)?;
                     self.peridynamics(index, region)?
                 }
             };
@@ -382,7 +361,6 @@ impl Reader<'_> {
 
     fn check_poisson(
         &self,
-        key: &str,
         region: &spec::Region,
         material: &Material,
         plane: PlaneState,
@@ -397,7 +375,7 @@ impl Reader<'_> {
         };
         let message = format!(
             "material `{}` has ν = {}, but bonds in plane {state} can only have ν = {fraction}",
-            region.material, material.poisson
+            region.material, self.spec.materials[&region.material].poisson.0
         );
         let help = format!(
             "bonds are central forces: set `poisson: {fraction}` in `{}`, or give this region \
@@ -405,10 +383,7 @@ impl Reader<'_> {
             region.material
         );
         let place = format!("materials/{}/poisson", region.material);
-        let known = self.spec.materials.contains_key(&region.material);
-        Err(self
-            .source
-            .error(if known { &place } else { key }, message, Some(help)))
+        Err(self.source.error(&place, message, Some(help)))
     }
 
     fn finite_elements(&self, index: usize, region: &spec::Region) -> Result<Method, InputError> {

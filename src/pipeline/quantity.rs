@@ -30,34 +30,49 @@ impl Dimension {
         }
     }
 
-    /// In base units, such as `m^-1 kg^1 s^-2`.
+    /// The SI unit, such as `Pa`.
     pub fn symbol(self) -> String {
-        let [m, kg, s] = self.exponents;
-        format!("m^{m} kg^{kg} s^{s}")
-    }
-
-    /// What this is called, and a unit that measures it.
-    pub fn describe(self) -> String {
-        let known = [
-            (Dimension::NUMBER, "a plain number"),
-            (Dimension::LENGTH, "a length, such as `2.5 mm`"),
-            (Dimension::AREA, "an area, such as `5 mm^2`"),
-            (Dimension::PRESSURE, "a pressure, such as `30 GPa`"),
-            (Dimension::new(1, 1, -2), "a force"),
-            (
-                Dimension::new(0, 1, -2),
-                "a force per length or an energy per area",
-            ),
-            (Dimension::new(0, 0, 1), "a time"),
-            (Dimension::new(0, 1, 0), "a mass"),
-            (Dimension::new(2, 1, -2), "an energy"),
-        ];
-        match known.iter().find(|(dimension, _)| *dimension == self) {
-            Some((_, name)) => (*name).to_owned(),
-            None => format!("a quantity of {}", self.symbol()),
+        match NAMES.iter().find(|(dimension, ..)| *dimension == self) {
+            Some((_, _, unit, _)) => (*unit).to_owned(),
+            None => {
+                let [m, kg, s] = self.exponents;
+                format!("m^{m} kg^{kg} s^{s}")
+            }
         }
     }
+
+    /// What this is called.
+    pub fn name(self) -> String {
+        match NAMES.iter().find(|(dimension, ..)| *dimension == self) {
+            Some((_, name, ..)) => (*name).to_owned(),
+            None => format!("a quantity in {}", self.symbol()),
+        }
+    }
+
+    /// As one writes it.
+    pub fn example(self) -> &'static str {
+        let known = NAMES.iter().find(|(dimension, ..)| *dimension == self);
+        known.map_or("1", |(.., example)| example)
+    }
 }
+
+/// Dimensions with their names, SI units and an example.
+const NAMES: [(Dimension, &str, &str, &str); 9] = [
+    (Dimension::NUMBER, "a plain number", "", "0.5"),
+    (Dimension::LENGTH, "a length", "m", "2.5 mm"),
+    (Dimension::AREA, "an area", "m^2", "5 mm^2"),
+    (Dimension::PRESSURE, "a pressure", "Pa", "30 GPa"),
+    (Dimension::new(1, 1, -2), "a force", "N", "2 kN"),
+    (
+        Dimension::new(0, 1, -2),
+        "a force per length or an energy per area",
+        "N/m",
+        "2 kN/m",
+    ),
+    (Dimension::new(0, 0, 1), "a time", "s", "1 s"),
+    (Dimension::new(0, 1, 0), "a mass", "kg", "1 kg"),
+    (Dimension::new(2, 1, -2), "an energy", "J", "1 J"),
+];
 
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum QuantityError {
@@ -65,11 +80,11 @@ pub enum QuantityError {
     NotANumber { text: String },
     #[error("`{unit}` is not a unit")]
     UnknownUnit { unit: String },
-    #[error("`{text}` is {found}, but this must be {expected}")]
+    #[error("`{text}` is {found}, but this must be {}", .expected.name())]
     WrongDimension {
         text: String,
         found: String,
-        expected: String,
+        expected: Dimension,
     },
     #[error("`{text}` is not finite")]
     NotFinite { text: String },
@@ -84,7 +99,13 @@ impl QuantityError {
                  them: mm, GPa, kN/m, N/mm^2"
                     .to_owned()
             }
-            QuantityError::WrongDimension { expected, .. } => format!("write {expected}"),
+            QuantityError::WrongDimension { expected, .. } => {
+                format!(
+                    "write {}, such as `{}`",
+                    expected.name(),
+                    expected.example()
+                )
+            }
             _ => "write a number and a unit, such as `30 GPa` or `2.5e-3 m`; a bare number is SI"
                 .to_owned(),
         }
@@ -100,8 +121,8 @@ pub fn parse(text: &str, expected: Dimension) -> Result<f64, QuantityError> {
     match dimension {
         Some(found) if found != expected => Err(QuantityError::WrongDimension {
             text: text.to_owned(),
-            found: found.describe(),
-            expected: expected.describe(),
+            found: found.name(),
+            expected,
         }),
         _ => Ok(value),
     }
@@ -263,7 +284,7 @@ mod tests {
         let error = |text| parse(text, Dimension::LENGTH).expect_err(text).to_string();
         assert_eq!(
             error("30 GPa"),
-            "`30 GPa` is a pressure, such as `30 GPa`, but this must be a length, such as `2.5 mm`"
+            "`30 GPa` is a pressure, but this must be a length"
         );
         assert_eq!(error("3 parsec"), "`parsec` is not a unit");
         assert_eq!(error("wide"), "`wide` is not a number with a unit");

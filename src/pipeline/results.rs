@@ -319,14 +319,8 @@ impl Outcome<'_> {
 
     /// The body's larger side [m].
     fn extent(&self) -> f64 {
-        let side = |axis: usize| {
-            let along = self.model.positions.iter().map(|x| x[axis]);
-            let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-                (low.min(x), high.max(x))
-            });
-            high - low
-        };
-        side(0).max(side(1))
+        let [low, high] = self.model.bounds();
+        (high[0] - low[0]).max(high[1] - low[1])
     }
 
     /// `summary.json`.

@@ -11,7 +11,7 @@ use super::validate::discretise;
 use crate::boundary::Boundary;
 use crate::gmsh::{self, Extract, GeoScript, GmshError};
 use crate::model::Model;
-use crate::output::{WriteError, write_whole};
+use crate::output::{WriteError, partial_name, write_whole};
 use crate::phases::{Phase, Phases, peak_memory};
 use crate::statics::{self, Solution, StaticsError, SystemSize};
 use serde::{Deserialize, Serialize};
@@ -20,7 +20,8 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
 use thiserror::Error;
 
 /// Why a run ended early.
@@ -46,6 +47,20 @@ pub enum RunError {
     },
     #[error("another run is writing to {}", .folder.display())]
     Busy { folder: PathBuf },
+}
+
+impl RunError {
+    /// What to do.
+    pub fn help(&self) -> Option<String> {
+        match self {
+            RunError::Busy { .. } => Some("wait until it has ended".to_owned()),
+            RunError::File { .. } | RunError::Write(_) => Some(
+                "is there space, and may you write there? `--results FOLDER` chooses another place"
+                    .to_owned(),
+            ),
+            _ => None,
+        }
+    }
 }
 
 impl From<InputError> for RunError {
@@ -93,26 +108,44 @@ struct StoredSolution {
     reaction: Vec<[f64; 2]>,
     residual: f64,
     size: [usize; 3],
-    phases: Vec<(String, f64)>,
 }
 
-/// Which stages are stale, and why, without running or writing anything. Behind a stale stage the
-/// others are stale for that reason alone, since what it will deliver is not known.
+/// How a stage's result stands.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Standing {
+    Fresh,
+    Stale(Reasons),
+    /// Stale if this earlier stage, which must run, delivers something new.
+    After(Stage),
+}
+
+/// How the stages stand, without running or writing anything.
 ///
 /// # Errors
 /// An unreadable geometry.
-pub fn staleness(plan: &Plan) -> Result<Vec<(Stage, Reasons)>, RunError> {
-    let mut list: Vec<(Stage, Reasons)> = Vec::new();
+pub fn standings(plan: &Plan) -> Result<Vec<(Stage, Standing)>, RunError> {
+    let on_disk = |name: &str| {
+        let hash = stamp::hash_file(&plan.folder.join(name));
+        hash.unwrap_or_else(|| "missing".to_owned())
+    };
+    let mut list: Vec<(Stage, Standing)> = Vec::new();
     for stage in Stage::ALL {
         let upstream = list
             .iter()
-            .find(|(_, reasons)| !reasons.is_empty())
-            .map(|(stage, _)| *stage);
-        let reasons = match upstream {
-            Some(earlier) => vec![format!("{earlier} is stale")],
-            None => stamp::stale(&plan.folder, stage, &recipe(plan, stage)?),
+            .find(|(_, standing)| *standing != Standing::Fresh);
+        let upstream = upstream.map(|(earlier, _)| *earlier);
+        let mut recipe = recipe(plan, stage, &on_disk)?;
+        if upstream.is_some() {
+            // What it will deliver is not known; all else is.
+            recipe.assume_inputs_of(stamp::read(&plan.folder, stage));
+        }
+        let reasons = stamp::stale(&plan.folder, stage, &recipe);
+        let standing = match (reasons.is_empty(), upstream) {
+            (false, _) => Standing::Stale(reasons),
+            (true, None) => Standing::Fresh,
+            (true, Some(earlier)) => Standing::After(earlier),
         };
-        list.push((stage, reasons));
+        list.push((stage, standing));
     }
     Ok(list)
 }
@@ -131,27 +164,16 @@ pub fn run(
         options,
         observer,
         phases: Phases::default(),
+        kept: BTreeMap::new(),
         lock: None,
     };
     let mesh = run.mesh()?;
-    let model = |mesh: &Extract| -> Result<(Model, Boundary), RunError> {
-        Ok(discretise(plan, to_mesh(plan, mesh)?)?)
-    };
-    let downstream_fresh =
-        !mesh.is_new && run.is_fresh(Stage::Solve)? && run.is_fresh(Stage::Output)?;
-    if downstream_fresh && options.until == Stage::Output {
-        Stage::ALL
-            .into_iter()
-            .for_each(|stage| run.observer.is_fresh(stage));
-        return Ok(read_summary(&plan.folder));
+    if options.until == Stage::Output
+        && let Some(summary) = run.all_fresh(&mesh)?
+    {
+        return Ok(Some(summary));
     }
-    let start = std::time::Instant::now();
-    let (model, boundary) = model(&mesh.extract)?;
-    run.phases.list.push(Phase {
-        name: "discretisation",
-        time: start.elapsed(),
-    });
-    run.warn_of_areas(&model);
+    let (model, boundary) = run.discretise(&mesh)?;
     run.keep_mesh(&mesh)?;
     if options.until == Stage::Mesh {
         return Ok(None);
@@ -184,6 +206,7 @@ pub fn discretised(plan: &Plan, options: &Options) -> Result<(Model, Boundary, E
 struct Meshed {
     extract: Extract,
     bytes: Vec<u8>,
+    recipe: Recipe,
     /// Made in this run, and not yet kept.
     is_new: bool,
     time: Duration,
@@ -194,44 +217,81 @@ struct Run<'a> {
     options: &'a Options,
     observer: &'a mut dyn Observer,
     phases: Phases,
+    /// Hashes of what the stages of this run have delivered, on disk now or soon.
+    kept: BTreeMap<&'static str, String>,
     lock: Option<File>,
 }
 
 impl Run<'_> {
-    fn is_fresh(&self, stage: Stage) -> Result<bool, RunError> {
-        if self.options.force {
-            return Ok(false);
-        }
-        Ok(stamp::stale(&self.plan.folder, stage, &recipe(self.plan, stage)?).is_empty())
+    fn recipe(&self, stage: Stage) -> Result<Recipe, RunError> {
+        recipe(self.plan, stage, &|name| self.kept[name].clone())
     }
 
+    fn is_fresh(&self, stage: Stage, recipe: &Recipe) -> bool {
+        !self.options.force && stamp::stale(&self.plan.folder, stage, recipe).is_empty()
+    }
+
+    /// The recipe is written down before Gmsh reads the geometry: an edit in the meantime is then
+    /// noticed by the next run.
     fn mesh(&mut self) -> Result<Meshed, RunError> {
-        if self.is_fresh(Stage::Mesh)?
+        let recipe = self.recipe(Stage::Mesh)?;
+        if self.is_fresh(Stage::Mesh, &recipe)
             && let Some((extract, bytes)) = read_stored(&self.plan.folder.join(MESH_FILE))
         {
+            self.kept.insert(MESH_FILE, stamp::hash(&bytes));
             return Ok(Meshed {
                 extract,
                 bytes,
+                recipe,
                 is_new: false,
                 time: Duration::ZERO,
             });
         }
         self.observer.starts(Stage::Mesh);
-        let start = std::time::Instant::now();
+        let start = Instant::now();
         let extract = mesh_geometry(self.plan, self.options)?;
-        extract
-            .warnings
-            .iter()
-            .for_each(|warning| self.observer.warns(&format!("Gmsh: {warning}")));
+        for warning in &extract.warnings {
+            self.observer.warns(&format!("Gmsh: {warning}"));
+        }
         let bytes = encode(&extract);
+        self.kept.insert(MESH_FILE, stamp::hash(&bytes));
         let time = start.elapsed();
         self.phases.list.push(Phase { name: "gmsh", time });
         Ok(Meshed {
             extract,
             bytes,
+            recipe,
             is_new: true,
             time,
         })
+    }
+
+    /// The summary, if there is nothing to do.
+    fn all_fresh(&mut self, mesh: &Meshed) -> Result<Option<Value>, RunError> {
+        let solution = self.plan.folder.join(SOLUTION_FILE);
+        if mesh.is_new || !self.is_fresh(Stage::Solve, &self.recipe(Stage::Solve)?) {
+            return Ok(None);
+        }
+        self.kept.insert(SOLUTION_FILE, hash_of(&solution)?);
+        if !self.is_fresh(Stage::Output, &self.recipe(Stage::Output)?) {
+            return Ok(None);
+        }
+        Stage::ALL
+            .into_iter()
+            .for_each(|stage| self.observer.is_fresh(stage));
+        Ok(read_summary(&self.plan.folder))
+    }
+
+    fn discretise(&mut self, mesh: &Meshed) -> Result<(Model, Boundary), RunError> {
+        let start = Instant::now();
+        let (model, boundary) = discretise(self.plan, to_mesh(self.plan, &mesh.extract)?)?;
+        let time = start.elapsed();
+        self.phases.list.push(Phase {
+            name: "discretisation",
+            time,
+        });
+        self.warn_of_areas(&model);
+        Ok((model, boundary))
     }
 
     fn keep_mesh(&mut self, mesh: &Meshed) -> Result<(), RunError> {
@@ -240,9 +300,9 @@ impl Run<'_> {
             return Ok(());
         }
         self.lock()?;
-        self.begin(Stage::Mesh)?;
+        self.begin(Stage::Mesh, &[MESH_FILE.to_owned()])?;
         write_whole(&self.plan.folder.join(MESH_FILE), &mesh.bytes)?;
-        self.finish(Stage::Mesh, &[MESH_FILE.to_owned()])?;
+        self.finish(Stage::Mesh, mesh.recipe.clone(), &[MESH_FILE.to_owned()])?;
         let what = format!(
             "Gmsh {}: {} nodes, {} groups",
             mesh.extract.gmsh_version,
@@ -255,19 +315,23 @@ impl Run<'_> {
 
     fn solve(&mut self, model: &Model, boundary: &Boundary) -> Result<Solution, RunError> {
         let path = self.plan.folder.join(SOLUTION_FILE);
-        if self.is_fresh(Stage::Solve)?
-            && let Some((stored, _)) = read_stored::<StoredSolution>(&path)
+        let recipe = self.recipe(Stage::Solve)?;
+        if self.is_fresh(Stage::Solve, &recipe)
+            && let Some((stored, bytes)) = read_stored::<StoredSolution>(&path)
         {
+            self.kept.insert(SOLUTION_FILE, stamp::hash(&bytes));
             self.observer.is_fresh(Stage::Solve);
             return Ok(self.restore(stored));
         }
-        self.observer.starts(Stage::Solve);
-        let start = std::time::Instant::now();
-        let solution = statics::solve(model, boundary, &mut self.phases)?;
         self.lock()?;
-        self.begin(Stage::Solve)?;
-        write_whole(&path, &encode(&store(&solution, &self.phases)))?;
-        self.finish(Stage::Solve, &[SOLUTION_FILE.to_owned()])?;
+        self.observer.starts(Stage::Solve);
+        let start = Instant::now();
+        let solution = statics::solve(model, boundary, &mut self.phases)?;
+        let bytes = encode(&store(&solution));
+        self.begin(Stage::Solve, &[SOLUTION_FILE.to_owned()])?;
+        write_whole(&path, &bytes)?;
+        self.kept.insert(SOLUTION_FILE, stamp::hash(&bytes));
+        self.finish(Stage::Solve, recipe, &[SOLUTION_FILE.to_owned()])?;
         let what = format!(
             "{} unknowns, {} bonds, {} trusses; residual {:.0e}",
             solution.size.dofs,
@@ -279,15 +343,13 @@ impl Run<'_> {
         Ok(solution)
     }
 
-    /// The stored solution, with the times that it took when it was computed.
+    /// The stored solution; the phases get the times that it took when it was computed.
     fn restore(&mut self, stored: StoredSolution) -> Solution {
-        let known = Phases::STATICS;
-        for (name, seconds) in stored.phases {
-            if let Some(name) = known.into_iter().find(|known| **known == name) {
-                self.phases.list.push(Phase {
-                    name,
-                    time: Duration::from_secs_f64(seconds),
-                });
+        let manifest = stamp::read(&self.plan.folder, Stage::Solve);
+        for (name, seconds) in manifest.into_iter().flat_map(|manifest| manifest.seconds) {
+            if let Some(name) = Phases::STATICS.into_iter().find(|known| **known == name) {
+                let time = Duration::try_from_secs_f64(seconds).unwrap_or_default();
+                self.phases.list.push(Phase { name, time });
             }
         }
         let [dofs, stiffness_entries, factor_entries] = stored.size;
@@ -304,31 +366,34 @@ impl Run<'_> {
     }
 
     fn output(&mut self, outcome: &Outcome) -> Result<Value, RunError> {
-        if self.is_fresh(Stage::Output)?
+        let recipe = self.recipe(Stage::Output)?;
+        if self.is_fresh(Stage::Output, &recipe)
             && let Some(summary) = read_summary(&self.plan.folder)
         {
             self.observer.is_fresh(Stage::Output);
             return Ok(summary);
         }
         self.observer.starts(Stage::Output);
-        let start = std::time::Instant::now();
+        let start = Instant::now();
         self.lock()?;
-        self.begin(Stage::Output)?;
         let folder = &self.plan.folder;
-        let draft = tempfile::Builder::new()
-            .prefix(".draft-")
-            .tempdir_in(folder)
-            .map_err(|source| file_error("create a folder in", folder, source))?;
+        // A draft in the folder and a manifest that calls all finished must not meet.
+        self.begin(Stage::Output, &[])?;
+        let draft = draft(folder)?;
         let mut files = outcome.write(draft.path(), &mut self.phases)?;
         files.push(SUMMARY_FILE.to_owned());
         let summary = outcome.summary(&files, &self.phases, peak_memory());
-        let text = serde_json::to_string_pretty(&summary).expect("a summary is plain data");
+        let text = serde_json::to_string_pretty(&summary).expect("a summary is plain data") + "\n";
         write_whole(&draft.path().join(SUMMARY_FILE), text.as_bytes())?;
+        let obsolete = self.begin(Stage::Output, &files)?;
         for file in &files {
             fs::rename(draft.path().join(file), folder.join(file))
                 .map_err(|source| file_error("write", &folder.join(file), source))?;
         }
-        self.finish(Stage::Output, &files)?;
+        for file in &obsolete {
+            remove(&folder.join(file))?;
+        }
+        self.finish(Stage::Output, recipe, &files)?;
         let what = format!("{} files in {}", files.len(), folder.display());
         self.observer.ends(Stage::Output, &what, start.elapsed());
         Ok(summary)
@@ -351,68 +416,98 @@ impl Run<'_> {
 
     /// Keeps other runs out of the results folder from the first write on.
     fn lock(&mut self) -> Result<(), RunError> {
-        if self.lock.is_some() {
-            return Ok(());
+        if self.lock.is_none() {
+            self.lock = Some(lock(&self.plan.folder)?);
         }
+        Ok(())
+    }
+
+    /// From here to [`Run::finish`] the manifest says that the stage is unfinished, so that a killed
+    /// run leaves it stale. Returns the files of the last time that will not be written again.
+    fn begin(&self, stage: Stage, files: &[String]) -> Result<Vec<String>, RunError> {
         let folder = &self.plan.folder;
-        fs::create_dir_all(folder.join(".stamps"))
-            .map_err(|source| file_error("create", folder, source))?;
-        let path = folder.join(".stamps/lock");
-        let file = File::create(&path).map_err(|source| file_error("create", &path, source))?;
-        match file.try_lock() {
-            Ok(()) => self.lock = Some(file),
-            Err(fs::TryLockError::WouldBlock) => {
-                return Err(RunError::Busy {
-                    folder: folder.clone(),
-                });
-            }
-            Err(fs::TryLockError::Error(source)) => return Err(file_error("lock", &path, source)),
-        }
-        Ok(())
+        let old = stamp::read(folder, stage)
+            .map(|manifest| manifest.outputs)
+            .unwrap_or_default();
+        let obsolete = old
+            .keys()
+            .filter(|name| !files.contains(name))
+            .cloned()
+            .collect();
+        let mut outputs = old;
+        outputs.extend(files.iter().map(|name| (name.clone(), String::new())));
+        stamp::write(
+            folder,
+            stage,
+            &Manifest {
+                recipe: None,
+                outputs,
+                seconds: Vec::new(),
+            },
+        )?;
+        Ok(obsolete)
     }
 
-    /// From here to [`Run::finish`] the stage has no manifest: a killed run leaves it stale. What it
-    /// wrote last time and will not write again must not stay behind.
-    fn begin(&self, stage: Stage) -> Result<(), RunError> {
-        let old = stamp::read(&self.plan.folder, stage);
-        remove(&stamp::path(&self.plan.folder, stage))?;
-        if stage == Stage::Output {
-            for name in old.iter().flat_map(|manifest| manifest.outputs.keys()) {
-                remove(&self.plan.folder.join(name))?;
-            }
-        }
-        Ok(())
-    }
-
-    fn finish(&self, stage: Stage, files: &[String]) -> Result<(), RunError> {
+    fn finish(&self, stage: Stage, recipe: Recipe, files: &[String]) -> Result<(), RunError> {
         let folder = &self.plan.folder;
         let mut outputs = BTreeMap::new();
         for name in files {
             outputs.insert(name.clone(), hash_of(&folder.join(name))?);
         }
-        let manifest = Manifest {
-            recipe: recipe(self.plan, stage)?,
-            outputs,
-        };
-        let text = serde_json::to_string_pretty(&manifest).expect("a manifest is plain data");
-        Ok(write_whole(&stamp::path(folder, stage), text.as_bytes())?)
+        let seconds = |phase: &Phase| (phase.name.to_owned(), phase.time.as_secs_f64());
+        let seconds = self.phases.list.iter().map(seconds).collect();
+        Ok(stamp::write(
+            folder,
+            stage,
+            &Manifest {
+                recipe: Some(recipe),
+                outputs,
+                seconds,
+            },
+        )?)
     }
+}
+
+/// Held until it is dropped, or until the process ends in whatever way.
+fn lock(folder: &Path) -> Result<File, RunError> {
+    fs::create_dir_all(folder.join(".stamps"))
+        .map_err(|source| file_error("create", folder, source))?;
+    let path = folder.join(LOCK_FILE);
+    let open = File::options()
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .open(&path);
+    let file = open.map_err(|source| file_error("create", &path, source))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(fs::TryLockError::WouldBlock) => Err(RunError::Busy {
+            folder: folder.to_owned(),
+        }),
+        Err(fs::TryLockError::Error(source)) => Err(file_error("lock", &path, source)),
+    }
+}
+
+const LOCK_FILE: &str = ".stamps/lock";
+const DRAFT_FOLDER: &str = ".draft";
+
+/// An empty folder for files that are not yet results. One that a killed run left is removed.
+fn draft(folder: &Path) -> Result<TempDir, RunError> {
+    remove_folder(&folder.join(DRAFT_FOLDER))?;
+    let draft = tempfile::Builder::new()
+        .prefix(DRAFT_FOLDER)
+        .rand_bytes(0)
+        .tempdir_in(folder);
+    draft.map_err(|source| file_error("create a folder in", folder, source))
 }
 
 /// A lattice whose areas are off by more than this is worth a word: the paper's full cells on grid
 /// nodes are.
 const AREA_WARNING: f64 = 1e-6;
 
-/// What a stage would be made from now. Inputs that an earlier stage writes are hashed as they are
-/// on disk.
-fn recipe(plan: &Plan, stage: Stage) -> Result<Recipe, RunError> {
-    let folder = &plan.folder;
-    let kept = |name: &str| {
-        (
-            name.to_owned(),
-            stamp::hash_file(&folder.join(name)).unwrap_or_else(|| "missing".to_owned()),
-        )
-    };
+/// What a stage would be made from now. `kept`: the hash of a file that an earlier stage delivers.
+fn recipe(plan: &Plan, stage: Stage, kept: &dyn Fn(&str) -> String) -> Result<Recipe, RunError> {
+    let kept = |name: &str| (name.to_owned(), kept(name));
     let physics = [
         "geometry",
         "plane",
@@ -424,18 +519,18 @@ fn recipe(plan: &Plan, stage: Stage) -> Result<Recipe, RunError> {
     ];
     let (settings, inputs) = match stage {
         Stage::Mesh => {
-            let mut settings = settings(&plan.spec, &["geometry/parameters"]);
+            let mut settings = settings(&plan.spec, &["geometry.parameters"]);
             settings.insert("gmsh".to_owned(), gmsh_library());
             (settings, geometry_files(plan)?)
         }
         Stage::Solve => {
             let mut settings = settings(&plan.spec, &physics);
-            settings.retain(|key, _| !key.starts_with("geometry/") || key == "geometry/unit");
+            settings.retain(|key, _| !key.starts_with("geometry.") || key == "geometry.unit");
             (settings, [kept(MESH_FILE)].into())
         }
         Stage::Output => {
             let mut settings = settings(&plan.spec, &physics);
-            settings.retain(|key, _| !key.starts_with("geometry/") || key == "geometry/unit");
+            settings.retain(|key, _| !key.starts_with("geometry.") || key == "geometry.unit");
             settings.extend(self::settings(&plan.spec, &["name", "probes", "output"]));
             (settings, [kept(MESH_FILE), kept(SOLUTION_FILE)].into())
         }
@@ -451,7 +546,7 @@ fn settings(spec: &Spec, prefixes: &[&str]) -> BTreeMap<String, String> {
     let below = |key: &str| {
         prefixes
             .iter()
-            .any(|p| key == *p || key.starts_with(&format!("{p}/")))
+            .any(|p| key == *p || key.starts_with(&format!("{p}.")))
     };
     flat.retain(|key, _| below(key));
     flat
@@ -462,7 +557,7 @@ fn flatten(key: &str, value: &Value, flat: &mut BTreeMap<String, String>) {
         if key.is_empty() {
             step.to_owned()
         } else {
-            format!("{key}/{step}")
+            format!("{key}.{step}")
         }
     };
     match value {
@@ -486,8 +581,8 @@ fn flatten(key: &str, value: &Value, flat: &mut BTreeMap<String, String>) {
 /// `2.5 mm` and `0.0025 m` are the same quantity.
 fn canonical(text: &str) -> String {
     match quantity::parse_any(text) {
-        Ok((number, Some(dimension))) => format!("{number:e} ({})", dimension.symbol()),
-        Ok((number, None)) => format!("{number}"),
+        Ok((number, Some(dimension))) => format!("{number:?} {}", dimension.symbol()),
+        Ok((number, None)) => format!("{number:?}"),
         Err(_) => text.to_owned(),
     }
 }
@@ -513,9 +608,17 @@ fn geometry_files(plan: &Plan) -> Result<BTreeMap<String, String>, RunError> {
     } else {
         vec![file.clone()]
     };
+    // Relative names: from where the run is started must not matter.
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let name = |file: &Path| {
+        file.strip_prefix(folder)
+            .unwrap_or(file)
+            .display()
+            .to_string()
+    };
     files
-        .into_iter()
-        .map(|file| Ok((file.display().to_string(), hash_of(&file)?)))
+        .iter()
+        .map(|file| Ok((name(file), hash_of(file)?)))
         .collect()
 }
 
@@ -530,19 +633,42 @@ fn mesh_geometry(plan: &Plan, options: &Options) -> Result<Extract, RunError> {
 
 /// Whose fault is it? The user's errors get their place in the pipeline and exit code 2.
 fn gmsh_error(plan: &Plan, error: GmshError) -> RunError {
-    let key = match &error {
+    let (key, help) = match &error {
         GmshError::UnknownParameter { name, .. }
         | GmshError::FixedParameter { name, .. }
         | GmshError::ParameterOfMesh { name, .. }
-        | GmshError::ParameterValue { name, .. } => format!("geometry/parameters/{name}"),
+        | GmshError::ParameterValue { name, .. } => (format!("geometry/parameters/{name}"), None),
+        GmshError::Failed { errors, .. } => match blamed_parameter(plan, errors) {
+            Some(name) => (format!("geometry/parameters/{name}"), parameters_help(plan)),
+            None => ("geometry/file".to_owned(), None),
+        },
         GmshError::FileMissing { .. }
         | GmshError::FileKind { .. }
         | GmshError::PathNotText { .. }
-        | GmshError::Script(_)
-        | GmshError::Failed { .. } => "geometry/file".to_owned(),
+        | GmshError::Script(_) => ("geometry/file".to_owned(), None),
         _ => return RunError::Gmsh(Box::new(error)),
     };
-    plan.source.error(&key, error.to_string(), None).into()
+    plan.source.error(&key, error.to_string(), help).into()
+}
+
+/// The parameter of the pipeline that the script's own `Error(...)` names, if it names one.
+fn blamed_parameter<'a>(plan: &'a Plan, errors: &[gmsh::Message]) -> Option<&'a String> {
+    let error = errors.first().filter(|error| error.line.is_none())?;
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let mut words = error.text.split(|c| !is_word(c));
+    words.find_map(|word| plan.geometry.parameters.keys().find(|name| *name == word))
+}
+
+fn parameters_help(plan: &Plan) -> Option<String> {
+    let value = |value: &gmsh::Value| match value {
+        gmsh::Value::Number(number) => number.to_string(),
+        gmsh::Value::Text(text) => text.clone(),
+    };
+    let given = plan.geometry.parameters.iter();
+    let list: Vec<String> = given
+        .map(|(name, v)| format!("{name} = {}", value(v)))
+        .collect();
+    (!list.is_empty()).then(|| format!("the pipeline sets {}", list.join(", ")))
 }
 
 fn to_mesh(plan: &Plan, extract: &Extract) -> Result<crate::mesh::Mesh, RunError> {
@@ -559,24 +685,17 @@ fn read_stored<T: for<'de> Deserialize<'de>>(path: &Path) -> Option<(T, Vec<u8>)
     Some((postcard::from_bytes(&bytes).ok()?, bytes))
 }
 
-fn store(solution: &Solution, phases: &Phases) -> StoredSolution {
+fn store(solution: &Solution) -> StoredSolution {
     let SystemSize {
         dofs,
         stiffness_entries,
         factor_entries,
     } = solution.size;
-    let statics = phases
-        .list
-        .iter()
-        .filter(|phase| Phases::STATICS.contains(&phase.name));
     StoredSolution {
         displacement: solution.displacement.clone(),
         reaction: solution.reaction.clone(),
         residual: solution.residual,
         size: [dofs, stiffness_entries, factor_entries],
-        phases: statics
-            .map(|p| (p.name.to_owned(), p.time.as_secs_f64()))
-            .collect(),
     }
 }
 
@@ -607,25 +726,40 @@ fn file_error(action: &'static str, path: &Path, source: io::Error) -> RunError 
     }
 }
 
-/// Removes what the stages have written, and the folder if nothing else is in it. Returns the number
-/// of files removed.
+fn remove_folder(path: &Path) -> Result<(), RunError> {
+    match fs::remove_dir_all(path) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => {
+            Err(file_error("remove", path, source))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Removes what the stages have written, finished or not, and the folder if nothing else is in it.
+/// Returns the number of results removed.
 ///
 /// # Errors
-/// A file that cannot be removed.
+/// A file that cannot be removed; another run that is writing.
 pub fn clean(plan: &Plan) -> Result<usize, RunError> {
     let folder = &plan.folder;
+    if !folder.join(".stamps").is_dir() {
+        return Ok(0);
+    }
+    let lock = lock(folder)?;
     let mut removed = 0;
     for stage in Stage::ALL {
-        let Some(manifest) = stamp::read(folder, stage) else {
-            continue;
-        };
-        for name in manifest.outputs.keys() {
+        let manifest = stamp::read(folder, stage);
+        for name in manifest.iter().flat_map(|manifest| manifest.outputs.keys()) {
+            removed += usize::from(folder.join(name).exists());
             remove(&folder.join(name))?;
-            removed += 1;
+            remove(&partial_name(&folder.join(name)))?;
         }
         remove(&stamp::path(folder, stage))?;
+        remove(&partial_name(&stamp::path(folder, stage)))?;
     }
-    remove(&folder.join(".stamps/lock"))?;
+    remove_folder(&folder.join(DRAFT_FOLDER))?;
+    drop(lock);
+    remove(&folder.join(LOCK_FILE))?;
     // Both fail where the user keeps something there.
     let _ = fs::remove_dir(folder.join(".stamps"));
     let _ = fs::remove_dir(folder);

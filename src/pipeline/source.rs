@@ -1,6 +1,6 @@
 //! The pipeline file's text, and messages that point into it.
 
-use marked_yaml::types::Node;
+use marked_yaml::types::{MarkedScalarNode, Marker, Node, Span};
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -64,47 +64,46 @@ impl Source {
     /// An error at a key such as `regions/1/spacing`; where the file does not hold the key, at what
     /// holds it.
     pub fn error(&self, key: &str, message: impl Into<String>, help: Option<String>) -> InputError {
-        let set = self
+        let message = message.into();
+        if let Some((set, value)) = self
             .overrides
             .iter()
-            .find(|(set, _)| key.starts_with(set.as_str()));
-        match set {
-            Some((set, value)) => {
-                let option = format!("--set {}={value}", set.replace('/', "."));
-                InputError::plain(format!("{} (by `{option}`)", message.into()), help)
-            }
-            None => self.error_at(self.span_of(key), message, help),
+            .rev()
+            .find(|(set, _)| within(key, set))
+        {
+            let option = format!("--set {}={value}", set.replace('/', "."));
+            return InputError::plain(format!("{message} (by `{option}`)"), help);
+        }
+        match self.span_of(key) {
+            Some(span) => self.error_at(span, message, help),
+            None => self.error_in_file(format!("`{}`: {message}", key.replace('/', ".")), help),
         }
     }
 
     /// An error at a byte offset.
-    pub fn error_at_byte(
-        &self,
-        byte: usize,
-        message: impl Into<String>,
-        help: Option<String>,
-    ) -> InputError {
-        self.error_at(Some(self.span_from(byte)), message, help)
+    pub fn error_at_byte(&self, byte: usize, message: String, help: Option<String>) -> InputError {
+        self.error_at(self.span_from(byte), message, help)
     }
 
-    fn error_at(
-        &self,
-        span: Option<SourceSpan>,
-        message: impl Into<String>,
-        help: Option<String>,
-    ) -> InputError {
+    /// An error at what marked_yaml has marked.
+    pub fn error_at_mark(&self, mark: &Span, message: String, help: Option<String>) -> InputError {
+        let byte = mark.start().map_or(0, |mark| self.byte_of(mark));
+        self.error_at_byte(byte, message, help)
+    }
+
+    /// An error of the file as a whole.
+    pub fn error_in_file(&self, message: impl Into<String>, help: Option<String>) -> InputError {
+        InputError::plain(format!("{}: {}", self.path.display(), message.into()), help)
+    }
+
+    fn error_at(&self, span: SourceSpan, message: String, help: Option<String>) -> InputError {
         let name = self.path.display().to_string();
-        let message = match span {
-            Some(_) => message.into(),
-            None => format!("{name}: {}", message.into()),
-        };
+        let source = NamedSource::new(name, self.text.clone()).with_language("yaml");
         InputError {
             message,
             help,
-            source_code: Some(Arc::new(
-                NamedSource::new(name, self.text.clone()).with_language("yaml"),
-            )),
-            span,
+            source_code: Some(Arc::new(source)),
+            span: Some(span),
         }
     }
 
@@ -121,43 +120,149 @@ impl Source {
                 None => break,
             }
         }
-        let character = node.span().start()?.character();
-        let byte = self
-            .text
-            .char_indices()
-            .nth(character)
-            .map_or(self.text.len(), |(b, _)| b);
-        Some(self.span_from(byte))
+        let byte = self.byte_of(node.span().start()?);
+        let is_absent = |scalar: &MarkedScalarNode| scalar.as_str().is_empty();
+        let is_absent = node.as_scalar().is_some_and(is_absent);
+        Some(self.span_from(if is_absent {
+            self.key_before(byte)
+        } else {
+            byte
+        }))
     }
 
-    /// From `byte` to the end of its line, without a comment.
-    fn span_from(&self, byte: usize) -> SourceSpan {
+    /// A value that is not there is marked where the next thing begins: the line that ends before.
+    fn key_before(&self, byte: usize) -> usize {
+        let before = self.text[..byte].trim_end();
+        let line = before.rfind('\n').map_or(0, |newline| newline + 1);
+        line + before[line..].find(|c: char| c != ' ').unwrap_or(0)
+    }
+
+    fn byte_of(&self, mark: &Marker) -> usize {
+        self.text
+            .char_indices()
+            .nth(mark.character())
+            .map_or(self.text.len(), |(byte, _)| byte)
+    }
+
+    fn line_from(&self, byte: usize) -> (usize, &str) {
+        let boundary = |&b: &usize| self.text.is_char_boundary(b);
         let byte = (0..=byte.min(self.text.len()))
             .rev()
-            .find(|&b| self.text.is_char_boundary(b))
+            .find(boundary)
             .unwrap_or(0);
-        let line = self.text[byte..].lines().next().unwrap_or("");
-        let content = line.split(" #").next().unwrap_or(line).trim_end();
-        (byte, content.len().max(1).min(self.text.len() - byte)).into()
+        (byte, self.text[byte..].lines().next().unwrap_or(""))
+    }
+
+    /// The line that holds a byte.
+    pub fn line_at_byte(&self, byte: usize) -> &str {
+        let (byte, _) = self.line_from(byte);
+        let start = self.text[..byte]
+            .rfind('\n')
+            .map_or(0, |newline| newline + 1);
+        self.line_from(start).1
+    }
+
+    /// From `byte` to the end of the value that begins there, or of its line.
+    fn span_from(&self, byte: usize) -> SourceSpan {
+        let (byte, line) = self.line_from(byte);
+        (byte, extent(line).max(1).min(self.text.len() - byte)).into()
     }
 }
 
-/// `; did you mean …?` and the valid choices.
+/// Whether `key` is `holder` or lies below it.
+fn within(key: &str, holder: &str) -> bool {
+    key.strip_prefix(holder)
+        .is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+}
+
+/// The length of the value that `line` begins with: a flow list or mapping to its bracket, any other
+/// to a comma or bracket that is not its own, to a comment or to the end.
+fn extent(line: &str) -> usize {
+    let mut depth = 0;
+    let mut quote = None;
+    let mut before = ' ';
+    for (byte, character) in line.char_indices() {
+        match (quote, character) {
+            (Some(open), _) if open == character => quote = None,
+            (Some(_), _) => {}
+            (None, '"' | '\'') if byte == 0 || " [{,".contains(before) => quote = Some(character),
+            (None, '[' | '{') => depth += 1,
+            (None, ']' | '}') if depth > 1 => depth -= 1,
+            (None, ']' | '}') if depth == 1 => return byte + 1,
+            (None, ']' | '}') => return line[..byte].trim_end().len(),
+            (None, ',') if depth == 0 => return line[..byte].trim_end().len(),
+            (None, '#') if before == ' ' => return line[..byte].trim_end().len(),
+            _ => {}
+        }
+        before = character;
+    }
+    line.trim_end().len()
+}
+
+/// The valid choices, and the one that was perhaps meant.
 pub fn choices<'a>(given: &str, valid: impl IntoIterator<Item = &'a str>) -> String {
     let valid: Vec<&str> = valid.into_iter().collect();
+    let is_close = |distance: usize, name: &str| {
+        distance <= 1 + name.chars().count() / 3 && distance < name.chars().count()
+    };
     let closest = valid
         .iter()
         .map(|name| (strsim::damerau_levenshtein(given, name), name))
-        .filter(|(distance, name)| *distance <= 1 + name.len() / 3)
+        .filter(|(distance, name)| is_close(*distance, name))
         .min();
     let list = valid
         .iter()
         .map(|name| format!("`{name}`"))
         .collect::<Vec<_>>()
         .join(", ");
-    match closest {
-        Some((_, name)) => format!("did you mean `{name}`? There are: {list}"),
-        None if valid.is_empty() => "there are none".to_owned(),
-        None => format!("there are: {list}"),
+    match (closest, valid.len()) {
+        (_, 0) => "there are none".to_owned(),
+        (Some((_, name)), 1) => format!("did you mean `{name}`? It is the only one"),
+        (Some((_, name)), _) => format!("did you mean `{name}`? There are: {list}"),
+        (None, 1) => format!("the only one is {list}"),
+        (None, _) => format!("there are: {list}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_ends_where_the_next_begins() {
+        let cases = [
+            ("100 GPaa, poisson: 1/3 }", "100 GPaa"),
+            ("[left, rigth], model: fem", "[left, rigth]"),
+            ("{ group: [a, b], x: 1 } # why", "{ group: [a, b], x: 1 }"),
+            ("'a, b', c", "'a, b'"),
+            ("1.5               # in spacings", "1.5"),
+            ("kernal: quartic", "kernal: quartic"),
+            ("[left,", "[left,"),
+            ("it's, so", "it's"),
+        ];
+        for (line, value) in cases {
+            assert_eq!(&line[..extent(line)], value);
+        }
+    }
+
+    #[test]
+    fn only_what_is_alike_is_meant() {
+        assert_eq!(choices("z", ["x", "y"]), "there are: `x`, `y`");
+        assert_eq!(
+            choices("rigth", ["left", "right"]),
+            "did you mean `right`? There are: `left`, `right`"
+        );
+        assert_eq!(
+            choices("trus", ["truss"]),
+            "did you mean `truss`? It is the only one"
+        );
+        assert_eq!(choices("a", []), "there are none");
+    }
+
+    #[test]
+    fn a_key_is_within_itself_and_what_holds_it() {
+        assert!(within("regions/1/spacing", "regions/1"));
+        assert!(within("regions/1", "regions/1"));
+        assert!(!within("regions/10/spacing", "regions/1"));
     }
 }

@@ -2,6 +2,7 @@
 //! hashes of its inputs and of its outputs. Fresh means that all of it is the same now; times of
 //! modification play no part.
 
+use crate::output::{WriteError, write_whole};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -66,6 +67,13 @@ impl Recipe {
         }
     }
 
+    /// Leaves out of a comparison with `manifest` what earlier stages deliver.
+    pub fn assume_inputs_of(&mut self, manifest: Option<Manifest>) {
+        if let Some(old) = manifest.and_then(|manifest| manifest.recipe) {
+            self.inputs = old.inputs;
+        }
+    }
+
     /// What is different now, one line each.
     fn differences(&self, now: &Recipe) -> Vec<String> {
         let mut lines = Vec::new();
@@ -115,11 +123,16 @@ fn map_differences(
 }
 
 /// A recipe and what came of it, as it stands in `.stamps/STAGE.json`.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
-    pub recipe: Recipe,
+    /// Absent while the stage is writing.
+    pub recipe: Option<Recipe>,
     /// File in the results folder → hash of its content.
     pub outputs: BTreeMap<String, String>,
+    /// What the phases so far took [s]. Here, and not in the outputs, so that equal work gives equal
+    /// bytes.
+    #[serde(default)]
+    pub seconds: Vec<(String, f64)>,
 }
 
 /// Why a stage must run; empty where its result is good.
@@ -133,12 +146,22 @@ pub fn read(folder: &Path, stage: Stage) -> Option<Manifest> {
     serde_json::from_slice(&std::fs::read(path(folder, stage)).ok()?).ok()
 }
 
+/// # Errors
+/// A folder that cannot be written to.
+pub fn write(folder: &Path, stage: Stage, manifest: &Manifest) -> Result<(), WriteError> {
+    let text = serde_json::to_string_pretty(manifest).expect("a manifest is plain data");
+    write_whole(&path(folder, stage), text.as_bytes())
+}
+
 /// Compares the manifest on disk with the recipe of now and with the files that it lists.
 pub fn stale(folder: &Path, stage: Stage, recipe: &Recipe) -> Reasons {
     let Some(manifest) = read(folder, stage) else {
-        return vec!["it has never run to its end".to_owned()];
+        return vec!["it has not run yet".to_owned()];
     };
-    let mut reasons = manifest.recipe.differences(recipe);
+    let Some(old) = &manifest.recipe else {
+        return vec!["its last run was interrupted".to_owned()];
+    };
+    let mut reasons = old.differences(recipe);
     for (name, hash) in &manifest.outputs {
         match hash_file(&folder.join(name)) {
             None => reasons.push(format!("{name} is missing")),

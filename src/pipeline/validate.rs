@@ -1,11 +1,11 @@
 //! A plan and a mesh to the discretisation; what does not fit is told at its key in the pipeline.
 
-use super::plan::Plan;
+use super::plan::{Plan, Probe};
 use super::source::{InputError, choices};
 use crate::boundary::{Boundary, BoundaryError};
 use crate::mesh::Mesh;
 use crate::model::{Model, ModelError, Region};
-use crate::support;
+use crate::support::{self, NotHeld};
 
 /// Builds the model and its boundary conditions and checks that the body is held.
 ///
@@ -19,20 +19,58 @@ pub fn discretise(plan: &Plan, mesh: Mesh) -> Result<(Model, Boundary), InputErr
     for (index, condition) in plan.conditions.iter().enumerate() {
         apply(&mut boundary, &model, condition).map_err(|e| boundary_error(plan, index, &e))?;
     }
-    support::check(&model, &boundary).map_err(|error| {
-        let groups = plan.conditions.iter().map(|c| c.group.as_str());
-        let held: std::collections::BTreeSet<&str> = groups.collect();
-        let held: Vec<String> = held.iter().map(|g| format!("`{g}`")).collect();
-        let groups: Vec<&str> = boundary_groups(&model.mesh).collect();
-        let help = format!(
-            "prescribe a displacement that prevents it. `boundary` acts on {}; groups of the mesh: {}",
-            held.join(", "),
-            groups.iter().map(|g| format!("`{g}`")).collect::<Vec<_>>().join(", ")
-        );
-        plan.source.error("boundary", error.to_string(), Some(help))
-    })?;
+    support::check(&model, &boundary).map_err(|error| not_held(plan, &model, &error))?;
+    check_probes(plan, &model)?;
     Ok((model, boundary))
 }
+
+fn not_held(plan: &Plan, model: &Model, error: &NotHeld) -> InputError {
+    let holding = plan
+        .conditions
+        .iter()
+        .filter(|condition| condition.displacement.is_some());
+    let help = format!(
+        "prescribe a displacement that prevents it. Displacements are prescribed on {}; groups of \
+         the mesh: {}",
+        quoted(holding.map(|condition| condition.group.as_str())),
+        quoted(boundary_groups(&model.mesh))
+    );
+    plan.source.error("boundary", error.to_string(), Some(help))
+}
+
+fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names
+        .map(|name| format!("`{name}`"))
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+/// A probe reads the nearest node, which tells nothing where the body is not.
+fn check_probes(plan: &Plan, model: &Model) -> Result<(), InputError> {
+    let [low, high] = model.bounds();
+    let slack = PROBE_SLACK * (high[0] - low[0]).max(high[1] - low[1]);
+    let is_off = |at: [f64; 2]| {
+        (0..2).any(|axis| at[axis] < low[axis] - slack || at[axis] > high[axis] + slack)
+    };
+    match plan.probes.iter().find(|probe| is_off(probe.at)) {
+        None => Ok(()),
+        Some(Probe {
+            name, at: [x, y], ..
+        }) => {
+            let message = format!("probe `{name}` at ({x}, {y}) m is off the body");
+            let help = format!(
+                "the body reaches from ({}, {}) to ({}, {}) m; a bare number is in metres",
+                low[0], low[1], high[0], high[1]
+            );
+            Err(plan
+                .source
+                .error(&format!("probes/{name}/at"), message, Some(help)))
+        }
+    }
+}
+
+/// Probes may be off the body by this share of its larger side: coordinates carry rounding.
+const PROBE_SLACK: f64 = 1e-6;
 
 fn apply(
     boundary: &mut Boundary,
@@ -51,10 +89,10 @@ fn apply(
 fn regions(plan: &Plan, mesh: &Mesh) -> Result<Vec<Region>, InputError> {
     let region = |(index, planned): (usize, &super::plan::RegionPlan)| {
         let mut cells = Vec::new();
-        for group in &planned.groups {
+        for (k, group) in planned.groups.iter().enumerate() {
             match mesh.surfaces.get(group) {
                 Some(of_group) => cells.extend(of_group),
-                None => return Err(unknown_surface(plan, mesh, index, group)),
+                None => return Err(unknown_surface(plan, mesh, [index, k])),
             }
         }
         cells.sort_unstable();
@@ -69,7 +107,10 @@ fn regions(plan: &Plan, mesh: &Mesh) -> Result<Vec<Region>, InputError> {
     plan.regions.iter().enumerate().map(region).collect()
 }
 
-fn unknown_surface(plan: &Plan, mesh: &Mesh, index: usize, group: &str) -> InputError {
+/// `at`: the region, and the group within it.
+fn unknown_surface(plan: &Plan, mesh: &Mesh, at: [usize; 2]) -> InputError {
+    let [index, k] = at;
+    let group = &plan.regions[index].groups[k];
     let file = plan.geometry.file.display();
     let message = if mesh.curves.contains_key(group) || mesh.points.contains_key(group) {
         format!("group `{group}` of {file} is no surface, and a region is made of surfaces")
@@ -78,7 +119,7 @@ fn unknown_surface(plan: &Plan, mesh: &Mesh, index: usize, group: &str) -> Input
     };
     let help = choices(group, mesh.surfaces.keys().map(String::as_str));
     plan.source
-        .error(&format!("regions/{index}/group"), message, Some(help))
+        .error(&format!("regions/{index}/group/{k}"), message, Some(help))
 }
 
 fn boundary_groups(mesh: &Mesh) -> impl Iterator<Item = &str> {
@@ -93,7 +134,13 @@ fn check_groups(plan: &Plan, mesh: &Mesh) -> Result<(), InputError> {
         let group = &condition.group;
         if !boundary_groups(mesh).any(|name| name == group) {
             let file = plan.geometry.file.display();
-            let message = format!("there is no physical curve or point `{group}` in {file}");
+            let message = if mesh.surfaces.contains_key(group) {
+                format!(
+                    "group `{group}` of {file} is a surface, and `boundary` acts on curves and points"
+                )
+            } else {
+                format!("there is no physical curve or point `{group}` in {file}")
+            };
             let help = choices(group, boundary_groups(mesh));
             return Err(plan
                 .source
@@ -111,6 +158,7 @@ fn model_error(plan: &Plan, error: &ModelError) -> InputError {
             .rposition(|region| region.name() == name);
         format!("regions/{}/group", index.unwrap_or(0))
     };
+    let spacing = |name: &str| key(name).replace("group", "spacing");
     let (key, help) = match error {
         ModelError::RegionEmpty { region } => (
             key(region),
@@ -135,7 +183,10 @@ fn model_error(plan: &Plan, error: &ModelError) -> InputError {
                 .to_owned(),
         ),
         ModelError::NoMaterialPoint { region } => {
-            (key(region).replace("group", "spacing"), "choose a smaller `spacing`".to_owned())
+            (spacing(region), "choose a smaller `spacing`".to_owned())
+        }
+        ModelError::TooManyPoints { region, .. } => {
+            (spacing(region), "choose a larger `spacing`, and look at its unit".to_owned())
         }
     };
     plan.source.error(&key, error.to_string(), Some(help))

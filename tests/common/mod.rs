@@ -1,9 +1,15 @@
 //! Structured meshes made in code, so that the physics is tested without a mesher.
 #![allow(dead_code)]
 
+use peristitch::boundary::Boundary;
+use peristitch::coupling::truss::NodeArea;
 use peristitch::material::{Material, PlaneState};
 use peristitch::mesh::{Cell, CellKind, Edge, Mesh};
-use peristitch::model::{Method, Region};
+use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings, Region};
+use peristitch::peridynamics::kernel::{Kernel, PartialArea};
+use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
+use peristitch::phases::Phases;
+use peristitch::statics;
 use std::collections::HashMap;
 
 /// A rectangle [0, w] × [0, h] of nx × ny quadrilaterals, each cut in two for triangles; corner
@@ -141,4 +147,110 @@ pub fn nearest(positions: &[[f64; 2]], at: [f64; 2]) -> usize {
     (0..positions.len())
         .min_by(|&a, &b| distance(&positions[a]).total_cmp(&distance(&positions[b])))
         .expect("a model has nodes")
+}
+
+/// A displacement field u(x) [m].
+pub type Field = fn([f64; 2]) -> [f64; 2];
+
+/// Parallelograms of different sizes, all with the same two directions: affine images of the square.
+pub fn parallelograms(grid: &Grid) -> Mesh {
+    grid.mesh(|[x, y]| {
+        let (s, t) = (0.3 * x * x, 0.4 * y * y);
+        [s + 0.3 * (y + t), t + 0.2 * (x + s)]
+    })
+}
+
+/// The whole mesh as one region of finite elements.
+pub fn finite_elements(mesh: Mesh, material: Material, plane: PlaneState) -> Model {
+    let region = Region {
+        name: "body".to_owned(),
+        cells: (0..mesh.cells.len()).collect(),
+        material,
+        method: Method::FiniteElements,
+    };
+    build(mesh, vec![region], plane)
+}
+
+/// A model of thickness 0.7 m, so that a forgotten thickness shows.
+pub fn build(mesh: Mesh, regions: Vec<Region>, plane: PlaneState) -> Model {
+    let settings = ModelSettings {
+        plane,
+        thickness: 0.7,
+        node_area: NodeArea::Lumped,
+    };
+    Model::build(mesh, regions, settings).expect("a sound model")
+}
+
+/// A square lattice as the paper has it: quartic kernel, m = 4, full areas.
+pub fn paper_lattice(spacing: f64, placement: Placement) -> PeridynamicSettings {
+    PeridynamicSettings {
+        lattice: LatticeSettings {
+            spacing,
+            placement,
+            cell_area: CellArea::Full,
+        },
+        horizon_ratio: 4.0,
+        kernel: Kernel::Quartic,
+        partial_area: PartialArea::Full,
+    }
+}
+
+/// The finite-element nodes on the outline of the whole mesh, ascending.
+pub fn outer_nodes(model: &Model) -> Vec<usize> {
+    let all: Vec<usize> = (0..model.mesh.cells.len()).collect();
+    let mut nodes: Vec<usize> = model
+        .mesh
+        .outline(&all)
+        .iter()
+        .flat_map(Edge::nodes)
+        .filter_map(|n| model.node_of[n])
+        .map(|n| n as usize)
+        .collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
+/// Prescribes u(x) on the outline of the whole mesh.
+pub fn hold_outline(model: &Model, field: impl Fn([f64; 2]) -> [f64; 2]) -> Boundary {
+    let mut boundary = Boundary::new(model);
+    for node in outer_nodes(model) {
+        for (axis, value) in field(model.positions[node]).into_iter().enumerate() {
+            let entry = (value, "outline".to_owned());
+            boundary.prescribed.insert(2 * node + axis, entry);
+        }
+    }
+    boundary
+}
+
+/// Displacements of all nodes under the given supports and loads [m].
+pub fn displacements(model: &Model, boundary: &Boundary) -> Vec<[f64; 2]> {
+    statics::solve(model, boundary, &mut Phases::default())
+        .expect("a solution")
+        .displacement
+}
+
+/// max|u − u_exact| / max|u_exact| over all dofs [-].
+pub fn relative_error(
+    model: &Model,
+    displacement: &[[f64; 2]],
+    exact: impl Fn([f64; 2]) -> [f64; 2],
+) -> f64 {
+    let (mut error, mut scale) = (0.0f64, 0.0f64);
+    for (u, x) in displacement.iter().zip(&model.positions) {
+        for (u, exact) in u.iter().zip(exact(*x)) {
+            error = error.max((u - exact).abs());
+            scale = scale.max(exact.abs());
+        }
+    }
+    error / scale
+}
+
+/// Asserts low ≤ value ≤ high, and says what came out otherwise.
+#[track_caller]
+pub fn assert_between(value: f64, low: f64, high: f64, what: &str) {
+    assert!(
+        low <= value && value <= high,
+        "{what}: {value:.6e} is not within {low:e} … {high:e}"
+    );
 }

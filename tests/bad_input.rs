@@ -1,0 +1,581 @@
+//! Every kind of bad input gives one message with place and remedy, exit code 2, and nothing is
+//! written. The program never panics, whatever the file.
+
+mod workplace;
+
+use peristitch::pipeline::plan::Plan;
+use proptest::prelude::*;
+use std::sync::LazyLock;
+use workplace::{Ended, PIPELINE, Workplace};
+
+/// `run` fails with `code` and says every part of `message`; not a byte has changed.
+#[track_caller]
+fn assert_refused(place: &Workplace, arguments: &[&str], code: i32, message: &[&str]) -> Ended {
+    let before = place.snapshot();
+    let ended = place.call(&[&["run"], arguments].concat());
+    assert_eq!(ended.code, Some(code), "{}", ended.err);
+    for part in message {
+        assert!(
+            ended.err.contains(part),
+            "{part:?} is not in\n{}",
+            ended.err
+        );
+    }
+    assert_eq!(
+        ended.err.matches("  × ").count(),
+        1,
+        "one message, not\n{}",
+        ended.err
+    );
+    assert!(!ended.err.contains("panicked"), "{}", ended.err);
+    assert_eq!(place.snapshot(), before);
+    assert!(!place.path("results").exists());
+    ended
+}
+
+/// The sound pipeline with `old` replaced by `new` is refused.
+#[track_caller]
+fn assert_edit(old: &str, new: &str, message: &[&str]) {
+    let place = Workplace::new();
+    place.edit("bar.yaml", old, new);
+    assert_refused(&place, &["bar.yaml"], 2, message);
+}
+
+/// The sound pipeline with the `.geo` edited is refused.
+#[track_caller]
+fn assert_geo(old: &str, new: &str, message: &[&str]) {
+    let place = Workplace::new();
+    place.edit("geo/bar.geo", old, new);
+    assert_refused(&place, &["bar.yaml"], 2, message);
+}
+
+#[track_caller]
+fn assert_set(set: &str, message: &[&str]) {
+    assert_refused(&Workplace::new(), &["bar.yaml", "--set", set], 2, message);
+}
+
+/// The key `boundary` to its end.
+const BOUNDARY: &str = "boundary:
+  - { group: clamp, displacement: { x: 0, y: 0 } }
+  - { group: load, traction: { x: 1.05 MPa } }
+";
+
+#[test]
+fn files_that_are_no_pipeline() {
+    let place = Workplace::new();
+    let missing = [
+        "there is no pipeline file bra.yaml",
+        "did you mean `bar.yaml`?",
+    ];
+    assert_refused(&place, &["bra.yaml"], 2, &missing);
+    assert_refused(
+        &place,
+        &["geo"],
+        2,
+        &["geo is a folder, not a pipeline file"],
+    );
+    assert_refused(
+        &place,
+        &["."],
+        2,
+        &["is a folder", "name a file: `./bar.yaml`"],
+    );
+    let needs = "needs `name`, `geometry`, `materials`";
+    for (text, message) in [
+        (&b""[..], &["p.yaml: the file is empty", needs][..]),
+        (b"# nothing\n", &["p.yaml: the file is empty"]),
+        (
+            b"- a\n- b\n",
+            &["p.yaml: a pipeline consists of keys", needs],
+        ),
+        (b"just words", &["p.yaml: a pipeline consists of keys"]),
+        (
+            b"name: a\ngeometry: [1, 2\nplane: }\n",
+            &["p.yaml:3:", "this is not YAML"],
+        ),
+        (
+            b"name: a\n\tplane: stress\n",
+            &["p.yaml:2:", "indent with spaces"],
+        ),
+        (
+            b"name: a\nplane: \xff\xfe\n",
+            &["p.yaml:2: the pipeline is not UTF-8 text"],
+        ),
+        (
+            b"name: a\n---\nname: b\n",
+            &["p.yaml", "more than one document"],
+        ),
+    ] {
+        place.write("p.yaml", text);
+        assert_refused(&place, &["p.yaml"], 2, message);
+    }
+}
+
+#[test]
+fn the_geometry_file() {
+    let missing = [
+        "bar.yaml:3:9",
+        "geo/bra.geo does not exist",
+        "did you mean `bar.geo`?",
+    ];
+    assert_edit("geo/bar.geo", "geo/bra.geo", &missing);
+    assert_edit(
+        "geo/bar.geo",
+        "geo",
+        &["bar.yaml:3:9", "the geometry file geo is a folder"],
+    );
+    assert_edit(
+        "geo/bar.geo",
+        "bar.yaml",
+        &["bar.yaml:3:9", "not a kind of file"],
+    );
+    // Line 26 lacks its semicolon: Gmsh notices in line 27 at the latest.
+    let syntax = ["bar.yaml:3:9", "geo/bar.geo:26: syntax error"];
+    assert_geo("length = 1000;\n", "length = 1000\n", &syntax);
+    let include = ["bar.yaml:3:9", "nowhere.geo"];
+    assert_geo(
+        "length = 1000;\n",
+        "length = 1000;\nInclude \"nowhere.geo\";\n",
+        &include,
+    );
+}
+
+#[test]
+fn physical_groups() {
+    let place = Workplace::new();
+    let text = String::from_utf8(place.read("geo/bar.geo")).expect("UTF-8");
+    let lines = text
+        .lines()
+        .filter(|line| !line.trim_start().starts_with("Physical"));
+    place.write("geo/bar.geo", lines.collect::<Vec<_>>().join("\n") + "\n");
+    let none = [
+        "bar.yaml:3:9",
+        "has no physical surface",
+        "Physical Surface(\"plate\") = {1};",
+    ];
+    assert_refused(&place, &["bar.yaml"], 2, &none);
+
+    let surfaces = "There are: `band`, `left`, `right`";
+    assert_edit(
+        "right]",
+        "rigth]",
+        &["bar.yaml:10:21", "`rigth`", "mean `right`?", surfaces],
+    );
+    assert_edit(
+        "group: band",
+        "group: clamp",
+        &["bar.yaml:11:12", "`clamp`", "is no surface"],
+    );
+    assert_edit(
+        "group: load",
+        "group: laod",
+        &["bar.yaml:19:", "`laod`", "mean `load`?"],
+    );
+    let surface = ["bar.yaml:19:14", "is a surface", "curves and points"];
+    assert_edit("group: load", "group: band", &surface);
+    assert_edit(
+        "group: load",
+        "group: tip",
+        &["bar.yaml:19:", "`tip` is a point"],
+    );
+}
+
+#[test]
+fn meshes_that_do_not_fit() {
+    let nine = [
+        "bar.yaml:3:9",
+        "Quadrilateral 9",
+        "write Mesh.SecondOrderIncomplete = 1;",
+    ];
+    let incomplete = "Mesh.SecondOrderIncomplete = ";
+    assert_geo(&format!("{incomplete}1"), &format!("{incomplete}0"), &nine);
+    let cubic = [
+        "bar.yaml:3:9",
+        "the order is at most 2",
+        "Mesh.ElementOrder = 2;",
+    ];
+    assert_edit("order: 2", "order: 3", &cubic);
+    // The band is not meshed.
+    let hidden =
+        "\nHide { Surface{:}; } Show { Surface{70}; Surface{72}; }\nMesh.MeshOnlyVisible = 1;\n";
+    let empty = ["bar.yaml:11:12", "region `band` has no elements"];
+    assert_geo(
+        "Mesh.ElementOrder = order;",
+        &format!("Mesh.ElementOrder = order;{hidden}"),
+        &empty,
+    );
+}
+
+#[test]
+fn parameters_of_the_geometry() {
+    let unknown = [
+        "bar.yaml:5:",
+        "no parameter 'elment'",
+        "did you mean 'element'?",
+        "band_end",
+    ];
+    assert_edit("element: 50", "elment: 50", &unknown);
+    let rejected = [
+        "bar.yaml:5:26",
+        "element = 30 mm does not divide",
+        "order = 2",
+    ];
+    assert_edit("element: 50", "element: 30", &rejected);
+    assert_edit(
+        "element: 50",
+        "element: big",
+        &["bar.yaml:5:26", "must be a number"],
+    );
+    let set = [
+        "element = 30 mm does not divide",
+        "by `--set geometry.parameters.element=30`",
+    ];
+    assert_set("geometry.parameters.element=30", &set);
+}
+
+#[test]
+fn materials() {
+    let stress = [
+        "bar.yaml:8:37",
+        "ν = 0.3",
+        "plane stress can only have ν = 1/3",
+    ];
+    assert_edit("poisson: 1/3", "poisson: 0.3", &stress);
+    let strain = [
+        "bar.yaml:8:37",
+        "ν = 1/3",
+        "plane strain can only have ν = 1/4",
+    ];
+    assert_edit("plane: stress", "plane: strain", &strain);
+    assert_edit(
+        "poisson: 1/3",
+        "poisson: 0.6",
+        &["bar.yaml:8:37", "not between -1 and 1/2"],
+    );
+    assert_edit(
+        "100 GPa",
+        "-100 GPa",
+        &["bar.yaml:8:19", "not positive", "such as `30 GPa`"],
+    );
+    assert_edit(
+        "100 GPa",
+        "100 mm",
+        &["bar.yaml:8:19", "is a length", "must be a pressure"],
+    );
+    assert_edit(
+        "100 GPa",
+        "100 GPaa",
+        &["bar.yaml:8:19", "`GPaa` is not a unit", "kN/m"],
+    );
+    assert_edit("100 GPa", "1e400 GPa", &["bar.yaml:8:19", "is not finite"]);
+    assert_edit("100 GPa", ".nan", &["bar.yaml:8:19", "is not a number"]);
+    assert_edit(
+        "100 GPa",
+        "[1, 2]",
+        &["bar.yaml:8:19", "`materials.solid.young` is a list"],
+    );
+    let undefined = [
+        "bar.yaml:10:",
+        "material `sold` is not defined",
+        "did you mean `solid`?",
+    ];
+    assert_edit(
+        "model: fem, material: solid",
+        "model: fem, material: sold",
+        &undefined,
+    );
+    let lines = "materials:\n  solid: { young: 100 GPa, poisson: 1/3 }\n";
+    assert_edit(
+        lines,
+        "",
+        &["bar.yaml: the key `materials` is missing", "add, say"],
+    );
+    // Where the file uses anchors there are no marks, and the key says where.
+    assert_edit(
+        "solid: { young: 100 GPa",
+        "solid: &s { young: 1 x",
+        &["`materials.solid.young`"],
+    );
+}
+
+#[test]
+fn regions() {
+    let small = ["bar.yaml:15:14", "less than 2", "`horizon: 4`"];
+    assert_edit("horizon: 4", "horizon: 1.5", &small);
+    assert_edit(
+        "horizon: 4",
+        "horizon: 20 mm",
+        &["bar.yaml:15:14", "1.600 spacings"],
+    );
+    assert_edit(
+        "horizon: 4",
+        "horizon: 1e9",
+        &["bar.yaml:15:14", "more than 20"],
+    );
+    let fem = "- { group: [left, right], model: fem, material: solid }";
+    let overlap = ["bar.yaml:11:12", "`left+band` and `band` overlap: 16 cells"];
+    assert_edit("[left, right]", "[left, band]", &overlap);
+    let left =
+        "- { group: left, model: peridynamics, material: solid, spacing: 12.5 mm, horizon: 4 }";
+    assert_edit(
+        fem,
+        left,
+        &["bar.yaml:11:12", "`left` and `band` touch", "one region"],
+    );
+    let large = ["bar.yaml:14:14", "no material point", "smaller `spacing`"];
+    assert_edit("12.5 mm", "500 mm", &large);
+    let tiny = [
+        "bar.yaml:14:14",
+        "would hold 4.0e22 material points",
+        "larger `spacing`",
+    ];
+    assert_edit("12.5 mm", "1e-9 mm", &tiny);
+    assert_edit(
+        "    spacing: 12.5 mm\n",
+        "",
+        &["bar.yaml:11:", "needs a `spacing`"],
+    );
+    assert_edit(
+        "model: fem",
+        "model: fem, horizon: 3",
+        &["bar.yaml:10:", "`horizon` belongs to"],
+    );
+    let start = PIPELINE.find("regions:").expect("a key");
+    let all = &PIPELINE[start..PIPELINE.find("coupling:").expect("a key")];
+    assert_edit(all, "regions: []\n", &["bar.yaml:9:", "there is no region"]);
+    assert_edit(all, "regions:\n", &["bar.yaml:9:", "there is no region"]);
+    assert_edit(all, "", &["bar.yaml: the key `regions` is missing"]);
+}
+
+#[test]
+fn supports() {
+    let none = [
+        "bar.yaml:17:",
+        "no displacement is prescribed",
+        "add a support",
+    ];
+    assert_edit(BOUNDARY, "boundary: []\n", &none);
+    let clamp = "displacement: { x: 0, y: 0 }";
+    let y = [
+        "bar.yaml:18:",
+        "the body can move in y freely",
+        "Displacements are prescribed on `clamp`;",
+    ];
+    assert_edit(clamp, "displacement: { x: 0 }", &y);
+    let x = ["the body can move in x and turn about (0, 0.1) m freely"];
+    assert_edit(clamp, "displacement: { y: 0 }", &x);
+    assert_edit(
+        clamp,
+        "displacement: { }",
+        &["bar.yaml:18:", "no component", "`x`, `y` or both"],
+    );
+    let corner = format!("{BOUNDARY}  - {{ group: corner, displacement: {{ x: 1 mm }} }}\n");
+    let conflict = [
+        "bar.yaml:20:",
+        "`corner` prescribes 0.001 m",
+        "`clamp` prescribes 0 m",
+    ];
+    assert_edit(BOUNDARY, &corner, &conflict);
+}
+
+#[test]
+fn keys_and_values() {
+    assert_edit(
+        "plane:",
+        "plain:",
+        &["bar.yaml:6:1", "unknown key `plain`", "mean `plane`?"],
+    );
+    let horizn = [
+        "bar.yaml:15:5",
+        "unknown key `horizn` in `regions.1`",
+        "mean `horizon`?",
+    ];
+    assert_edit("horizon:", "horizn:", &horizn);
+    let stres = [
+        "bar.yaml:6:8",
+        "`plane` cannot be `stres`",
+        "There are: `stress`, `strain`",
+    ];
+    assert_edit("plane: stress", "plane: stres", &stres);
+    let twice = [
+        "bar.yaml:6:1",
+        "the key `name` is written twice, first in line 1",
+    ];
+    assert_edit("plane: stress", "name: rod", &twice);
+    let solid = "  solid: { young: 100 GPa, poisson: 1/3 }\n";
+    let twice = ["bar.yaml:9:3", "`solid` is written twice, first in line 8"];
+    assert_edit(solid, &format!("{solid}{solid}"), &twice);
+    assert_edit(
+        "unit: mm",
+        "unit: inch",
+        &["bar.yaml:4:9", "`inch` is not a unit"],
+    );
+    assert_edit(
+        "name: bar",
+        "name: a/b",
+        &["bar.yaml:1:7", "cannot name a folder"],
+    );
+    assert_edit(
+        "name: bar",
+        "name: ..",
+        &["bar.yaml:1:7", "cannot name a folder"],
+    );
+    assert_edit(
+        "name: bar",
+        "name:",
+        &["bar.yaml:1:1", "cannot name a folder"],
+    );
+    let component = [
+        "bar.yaml:21:8",
+        "the key `component` is missing in `probes.tip`",
+    ];
+    assert_edit(" component: x,", "", &component);
+    assert_edit(
+        "component: x",
+        "component: z",
+        &["bar.yaml:21:", "cannot be `z`", "`x`, `y`"],
+    );
+    assert_edit(
+        "[1000 mm, 100 mm]",
+        "1 m",
+        &["bar.yaml:21:14", "such as `[1 m, 0]`"],
+    );
+    let off = [
+        "bar.yaml:21:14",
+        "(1000, 100) m is off the body",
+        "a bare number is in metres",
+    ];
+    assert_edit("[1000 mm, 100 mm]", "[1000, 100]", &off);
+    assert_edit(
+        "coupling: truss",
+        "coupling: glue",
+        &["bar.yaml:16:11", "the only one is `truss`"],
+    );
+    let fields = [
+        "bar.yaml:16:20",
+        "`output.fields.0` cannot be `strss`",
+        "mean `stress`?",
+    ];
+    assert_edit("coupling: truss", "output: { fields: [strss] }", &fields);
+}
+
+#[test]
+fn values_from_the_command_line() {
+    let list = "`regions` is a list of 2: write a number from 0 to 1, not `7`";
+    assert_set("regions.7.horizon=3", &["names no place", list]);
+    assert_set("name.x=3", &["names no place", "`name` is a single value"]);
+    assert_set("name", &["not of the form key=value"]);
+    assert_set("name=", &["not of the form key=value"]);
+    assert_set(
+        "regions=3",
+        &["is `3`, but must be a list (by `--set regions=3`)"],
+    );
+    assert_set(
+        "regions.1.horizon=1",
+        &["less than 2 (by `--set regions.1.horizon=1`)"],
+    );
+    let place = Workplace::new();
+    let both = [
+        "bar.yaml",
+        "--set",
+        "plane=stress",
+        "--set",
+        "regions.1.horizn=3",
+    ];
+    let blamed = [
+        "`horizn` (by `--set regions.1.horizn=3`)",
+        "did you mean `horizon`?",
+    ];
+    assert_refused(&place, &both, 2, &blamed);
+}
+
+#[test]
+fn the_results_folder() {
+    let place = Workplace::new();
+    let unwritable = ["cannot create bar.yaml/bar", "`--results FOLDER`"];
+    assert_refused(
+        &place,
+        &["bar.yaml", "--results", "bar.yaml"],
+        1,
+        &unwritable,
+    );
+    place.write("copy.yaml", PIPELINE);
+    let shared = [
+        "bar.yaml and copy.yaml both write to results/bar",
+        "`name` of its own",
+    ];
+    assert_refused(&place, &["bar.yaml", "copy.yaml"], 2, &shared);
+}
+
+/// Nothing runs if one of several pipelines is bad.
+#[test]
+fn an_older_result_stays_as_it_is() {
+    let place = Workplace::new();
+    place.run(&[]);
+    place.edit("bar.yaml", "group: load", "group: laod");
+    place.write("sound.yaml", PIPELINE.replace("name: bar", "name: sound"));
+    let before = place.snapshot();
+    assert_eq!(place.call(&["run", "bar.yaml"]).code, Some(2));
+    place.edit("bar.yaml", "horizon: 4", "horizon: 1");
+    let after_edit = place.snapshot();
+    assert_eq!(place.call(&["run", "sound.yaml", "bar.yaml"]).code, Some(2));
+    assert_eq!(place.snapshot(), after_edit);
+    let results = |files: &std::collections::BTreeMap<std::path::PathBuf, _>| {
+        files
+            .keys()
+            .filter(|name| name.starts_with("results"))
+            .count()
+    };
+    assert_eq!(results(&before), results(&after_edit));
+}
+
+/// One change of a text: a character or a line goes, comes twice or becomes another.
+fn mutate(text: &str, [kind, place, what]: [usize; 3]) -> String {
+    const STRANGE: [char; 16] = [
+        '{', '}', '[', ']', ':', ',', '\t', '\n', '\'', '"', '&', '*', '-', 'é', '\u{0}', '9',
+    ];
+    let other = STRANGE[what % STRANGE.len()];
+    let mut characters: Vec<char> = text.chars().collect();
+    let mut lines: Vec<&str> = text.lines().collect();
+    if characters.is_empty() || lines.is_empty() {
+        return other.to_string();
+    }
+    let (at, line) = (place % characters.len(), place % lines.len());
+    match kind % 6 {
+        0 => drop(characters.remove(at)),
+        1 => characters.insert(at, characters[at]),
+        2 => characters[at] = other,
+        3 => characters.insert(at, other),
+        4 => drop(lines.remove(line)),
+        _ => lines.insert(what % lines.len(), lines[line]),
+    }
+    if kind % 6 < 4 {
+        characters.into_iter().collect()
+    } else {
+        lines.join("\n")
+    }
+}
+
+/// Its geometry exists, so that reading goes on to the end.
+static PLACE: LazyLock<Workplace> = LazyLock::new(Workplace::new);
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..Default::default() })]
+
+    /// Reading ends with a plan or with a message that can be shown, and never in a panic.
+    #[test]
+    fn no_text_makes_reading_panic(
+        changes in prop::collection::vec(any::<[usize; 3]>(), 1..6),
+        set in prop::option::of("[a-z0-9.]{0,12}=[ -~]{0,8}"),
+    ) {
+        let text = changes.into_iter().fold(PIPELINE.to_owned(), |text, change| mutate(&text, change));
+        PLACE.write("bar.yaml", text);
+        let set: Vec<String> = set.into_iter().collect();
+        if let Err(error) = Plan::read(&PLACE.path("bar.yaml"), &set, None) {
+            prop_assert!(!error.message.is_empty());
+            // Spans outside the text show here.
+            let shown = format!("{:?}", miette::Report::new(error));
+            prop_assert!(!shown.contains("Failed to read contents"), "{shown}");
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Every file of pipelines/ runs through the binary and gives its number: Table 1 of Qian et al.
+//! (2021) and σL/E of the bar in finite elements.
+
+mod workplace;
+
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::process::Command;
+use workplace::{BINARY, repository};
+
+/// Half a unit of the fifth digit: what theory and paper print.
+const PRINTED: f64 = 0.0005e-5;
+
+/// Pipeline, u_x of its probe `tip` [m], tolerance [m].
+const CASES: [(&str, f64, f64); 5] = [
+    ("cantilever_pd", 1.0268e-5, PRINTED),
+    ("cantilever_hybrid_q4", 1.0428e-5, PRINTED),
+    ("cantilever_hybrid_q8", 1.0469e-5, PRINTED),
+    ("cantilever_fem_q8", 1.0468e-5, PRINTED),
+    // Exact: what is left is rounding.
+    ("cantilever_fem_q8_rollers", 1.05e-5, 1.05e-15),
+];
+
+fn run(name: &str, more: &[&str]) -> Value {
+    let results = tempfile::tempdir().expect("a temporary folder");
+    let output = Command::new(BINARY)
+        .arg("run")
+        .arg(repository().join(format!("pipelines/{name}.yaml")))
+        .arg("--results")
+        .arg(results.path())
+        .args(more)
+        .output()
+        .expect("the binary starts");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let summary = std::fs::read(results.path().join(name).join("summary.json"));
+    serde_json::from_slice(&summary.expect("a summary")).expect("JSON")
+}
+
+fn tip(summary: &Value) -> f64 {
+    assert_eq!(summary["probes"][0]["name"], "tip");
+    summary["probes"][0]["displacement_m"]
+        .as_f64()
+        .expect("a number")
+}
+
+fn assert_tip(index: usize) {
+    let (name, expected, tolerance) = CASES[index];
+    let u = tip(&run(name, &[]));
+    assert!((u - expected).abs() <= tolerance, "{name}: {u:e}");
+}
+
+#[test]
+fn peridynamics_alone() {
+    assert_tip(0);
+}
+
+#[test]
+fn hybrid_with_four_node_elements() {
+    assert_tip(1);
+}
+
+#[test]
+fn hybrid_with_eight_node_elements() {
+    assert_tip(2);
+}
+
+#[test]
+fn finite_elements_clamped() {
+    assert_tip(3);
+}
+
+#[test]
+fn finite_elements_on_rollers_are_exact() {
+    assert_tip(4);
+}
+
+#[test]
+fn every_pipeline_is_tested() {
+    let folder = std::fs::read_dir(repository().join("pipelines")).expect("a folder");
+    let names = folder.map(|entry| entry.expect("an entry").path());
+    let stems = names.map(|path| {
+        path.file_stem()
+            .expect("a name")
+            .to_string_lossy()
+            .into_owned()
+    });
+    let tested: BTreeSet<String> = CASES.iter().map(|case| case.0.to_owned()).collect();
+    assert_eq!(stems.collect::<BTreeSet<_>>(), tested);
+}
+
+/// T3 and T6 beside a coarse lattice: -0.7 and +0.5 % of σL/E.
+#[test]
+fn triangles_run_too() {
+    for order in ["1", "2"] {
+        let set = ["geometry.parameters.element=20", "regions.1.spacing=5 mm"];
+        let order = format!("geometry.parameters.order={order}");
+        let mut more = vec!["--set", "geometry.parameters.triangles=1", "--set", &order];
+        more.extend(set.iter().flat_map(|set| ["--set", set]));
+        let summary = run("cantilever_hybrid_q8", &more);
+        // Two triangles in each of 40 × 10 squares, four fifths of them finite elements.
+        assert_eq!(summary["sizes"]["finite_elements"], 2 * 40 * 10);
+        let u = tip(&summary);
+        assert!((u / 1.05e-5 - 1.0).abs() < 0.01, "{u:e}");
+    }
+}

@@ -1,0 +1,126 @@
+//! What the truss coupling of the paper leaves of a uniform strain: an island of 12 × 8 material points
+//! within finite elements, displacements of the unit strain fields prescribed around the outside.
+//!
+//! ```text
+//!   28 dx × 24 dx, the origin at the lower left corner
+//!   ┌───────────────┐
+//!   │   elements    │  8 dx = 2 δ on every side
+//!   │   ┌·······┐   │
+//!   │   · 12 × 8 ·  │  points on cell centres, dx/2 from the interface; m = 4, quartic kernel
+//!   │   └·······┘   │
+//!   └───────────────┘
+//! ```
+//!
+//! max|u − u_exact| / max|u_exact| over all dofs, in percent, for ε_xx, ε_yy and γ_xy = 1 (u = y/2,
+//! v = x/2); A_FE by lumping / by half an edge times dx:
+//!
+//! | | ε_xx | ε_yy | γ_xy |
+//! |---|---|---|---|
+//! | Q4, h = 4 dx | 8.20 / 8.66 | 8.57 / 8.91 | 2.84 / 3.27 |
+//! | Q8, h = 4 dx | 5.25 / 5.11 | 5.47 / 5.23 | 2.65 / 2.56 |
+//! | Q4, h = 2 dx | 4.51 / 4.88 | 4.66 / 5.03 | 1.69 / 1.54 |
+//! | Q8, h = 2 dx | 4.67 / 4.55 | 5.97 / 4.64 | 2.94 / 2.71 |
+//!
+//! An earlier study of the method gave 2–11 % for Q4 and 1.2–6.1 % for Q8 and did not say h, the ring
+//! or the origin. With h = 4 dx both readings of A_FE lie within these ranges for all three strains, with
+//! h = 2 dx all but the shear of Q4. From the body's centre the largest displacement is half as large
+//! and every figure doubles. No weight makes the coupling exact: a node's trusses fill half a disc, and
+//! half a disc in tension carries the stress ratio 1/2, not 1/3.
+//!
+//! The figures are sums of a fixed lattice: half a unit of the last digit is the tolerance. Elements in
+//! the island leave 3e-15 at most: what is measured is the coupling, not the surroundings.
+
+mod common;
+
+use common::*;
+use peristitch::coupling::truss::NodeArea;
+use peristitch::material::PlaneState;
+use peristitch::mesh::CellKind;
+use peristitch::model::{Method, Model, ModelSettings};
+use peristitch::peridynamics::lattice::Placement;
+
+const DX: f64 = 2.5e-3;
+
+const UNIT_STRAINS: [Field; 3] = [
+    |[x, _]| [x, 0.0],
+    |[_, y]| [0.0, y],
+    |[x, y]| [0.5 * y, 0.5 * x],
+];
+
+/// `h`: the elements' size in spacings.
+fn errors(kind: CellKind, h: usize, node_area: NodeArea, island: Method) -> [f64; 3] {
+    let mut mesh = Grid {
+        size: [28.0 * DX, 24.0 * DX],
+        count: [28 / h, 24 / h],
+        kind,
+    }
+    .plain();
+    let within =
+        |[x, y]: [f64; 2]| (8.0 * DX..20.0 * DX).contains(&x) && (8.0 * DX..16.0 * DX).contains(&y);
+    name_cells(&mut mesh, "island", within);
+    name_cells(&mut mesh, "around", |x| !within(x));
+    let regions = vec![
+        region(&mesh, &["around"], steel(), Method::FiniteElements),
+        region(&mesh, &["island"], steel(), island),
+    ];
+    let settings = ModelSettings {
+        plane: PlaneState::Stress,
+        thickness: 0.7,
+        node_area,
+    };
+    let model = Model::build(mesh, regions, settings).expect("a sound model");
+    let points = if island == Method::FiniteElements {
+        0
+    } else {
+        12 * 8
+    };
+    assert_eq!(model.areas.len(), points);
+    UNIT_STRAINS.map(|field| {
+        let u = displacements(&model, &hold_outline(&model, field));
+        relative_error(&model, &u, field)
+    })
+}
+
+fn assert_errors(kind: CellKind, h: usize, node_area: NodeArea, percent: [f64; 3]) {
+    let island = Method::Peridynamics(paper_lattice(DX, Placement::CellCentred));
+    let measured = errors(kind, h, node_area, island).map(|error| 100.0 * error);
+    for (measured, printed) in measured.into_iter().zip(percent) {
+        assert!(
+            (measured - printed).abs() <= 0.005,
+            "{kind:?}, h = {h} dx, {node_area:?}: {measured:.4} % for {printed} %"
+        );
+    }
+}
+
+#[test]
+fn elements_in_the_island_are_exact() {
+    for kind in CellKind::ALL {
+        for error in errors(kind, 4, NodeArea::Lumped, Method::FiniteElements) {
+            assert!(error <= 2e-14, "{kind:?}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn four_node_elements_of_four_spacings() {
+    assert_errors(CellKind::Quad4, 4, NodeArea::Lumped, [8.20, 8.57, 2.84]);
+    assert_errors(CellKind::Quad4, 4, NodeArea::HalfEdge, [8.66, 8.91, 3.27]);
+}
+
+#[test]
+fn eight_node_elements_of_four_spacings() {
+    assert_errors(CellKind::Quad8, 4, NodeArea::Lumped, [5.25, 5.47, 2.65]);
+    assert_errors(CellKind::Quad8, 4, NodeArea::HalfEdge, [5.11, 5.23, 2.56]);
+}
+
+#[test]
+fn four_node_elements_of_two_spacings() {
+    assert_errors(CellKind::Quad4, 2, NodeArea::Lumped, [4.51, 4.66, 1.69]);
+    assert_errors(CellKind::Quad4, 2, NodeArea::HalfEdge, [4.88, 5.03, 1.54]);
+}
+
+#[test]
+fn eight_node_elements_of_two_spacings() {
+    assert_errors(CellKind::Quad8, 2, NodeArea::Lumped, [4.67, 5.97, 2.94]);
+    assert_errors(CellKind::Quad8, 2, NodeArea::HalfEdge, [4.55, 4.64, 2.71]);
+}

@@ -1,0 +1,167 @@
+//! A folder with a small hybrid bar and the binary to drive it, as a user would.
+#![allow(dead_code)]
+
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::SystemTime;
+use tempfile::TempDir;
+
+pub const BINARY: &str = env!("CARGO_BIN_EXE_peristitch");
+
+/// 64 elements of 50 mm on both sides of 256 material points: a run takes a tenth of a second.
+pub const PIPELINE: &str = "\
+name: bar
+geometry:
+  file: geo/bar.geo
+  unit: mm
+  parameters: { element: 50, order: 2 }
+plane: stress
+materials:
+  solid: { young: 100 GPa, poisson: 1/3 }
+regions:
+  - { group: [left, right], model: fem, material: solid }
+  - group: band
+    model: peridynamics
+    material: solid
+    spacing: 12.5 mm
+    horizon: 4
+coupling: truss
+boundary:
+  - { group: clamp, displacement: { x: 0, y: 0 } }
+  - { group: load, traction: { x: 1.05 MPa } }
+probes:
+  tip: { at: [1000 mm, 100 mm], component: x, reference: 1.05e-5 m }
+";
+
+pub fn repository() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+pub struct Workplace {
+    folder: TempDir,
+}
+
+/// How the binary ended.
+#[derive(Debug)]
+pub struct Ended {
+    pub code: Option<i32>,
+    pub out: String,
+    pub err: String,
+}
+
+impl From<Output> for Ended {
+    fn from(output: Output) -> Ended {
+        Ended {
+            code: output.status.code(),
+            out: String::from_utf8(output.stdout).expect("UTF-8"),
+            err: String::from_utf8(output.stderr).expect("UTF-8"),
+        }
+    }
+}
+
+impl Ended {
+    #[track_caller]
+    pub fn succeeded(self) -> Ended {
+        assert_eq!(self.code, Some(0), "{}", self.err);
+        self
+    }
+
+    /// The stages that ran, or would run, in their order.
+    pub fn stages(&self) -> Vec<&str> {
+        let ran = |line: &str| line.contains(" s  ") || line.ends_with("would run");
+        let lines = self
+            .err
+            .lines()
+            .chain(self.out.lines())
+            .filter(|line| ran(line));
+        lines
+            .filter_map(|line| line.split_whitespace().nth(1))
+            .collect()
+    }
+}
+
+impl Workplace {
+    pub fn new() -> Workplace {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let place = Workplace { folder };
+        let geometry = repository().join("geo/cantilever.geo");
+        std::fs::create_dir(place.path("geo")).expect("a new folder");
+        std::fs::copy(geometry, place.path("geo/bar.geo")).expect("the geometry");
+        place.write("bar.yaml", PIPELINE);
+        place
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, text: impl AsRef<[u8]>) {
+        std::fs::write(self.path(name), text).expect("writable");
+    }
+
+    pub fn read(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// Replaces the one place that holds `old`.
+    #[track_caller]
+    pub fn edit(&self, name: &str, old: &str, new: &str) {
+        let text = String::from_utf8(self.read(name)).expect("UTF-8");
+        assert_eq!(text.matches(old).count(), 1, "{old:?} in {name}");
+        self.write(name, text.replace(old, new));
+    }
+
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(BINARY);
+        command
+            .args(arguments)
+            .current_dir(self.folder.path())
+            .env("NO_COLOR", "1");
+        command.env_remove("RUST_BACKTRACE").stdin(Stdio::null());
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    pub fn call(&self, arguments: &[&str]) -> Ended {
+        self.command(arguments)
+            .output()
+            .expect("the binary starts")
+            .into()
+    }
+
+    /// `run bar.yaml` with more arguments, which must succeed.
+    #[track_caller]
+    pub fn run(&self, more: &[&str]) -> Ended {
+        self.call(&[&["run", "bar.yaml"], more].concat())
+            .succeeded()
+    }
+
+    pub fn summary(&self) -> Value {
+        serde_json::from_slice(&self.read("results/bar/summary.json")).expect("JSON")
+    }
+
+    /// Every file below the folder with the hash of its content and its time of modification.
+    pub fn snapshot(&self) -> BTreeMap<PathBuf, (String, SystemTime)> {
+        let mut files = BTreeMap::new();
+        let mut pending = vec![self.folder.path().to_owned()];
+        while let Some(folder) = pending.pop() {
+            for entry in std::fs::read_dir(folder).expect("readable") {
+                let path = entry.expect("an entry").path();
+                if path.is_dir() {
+                    pending.push(path);
+                } else {
+                    let time = path
+                        .metadata()
+                        .and_then(|meta| meta.modified())
+                        .expect("a time");
+                    let hash = peristitch::pipeline::stamp::hash_file(&path).expect("readable");
+                    let name = path.strip_prefix(self.folder.path()).expect("below it");
+                    files.insert(name.to_owned(), (hash, time));
+                }
+            }
+        }
+        files
+    }
+}

@@ -1,6 +1,7 @@
 //! The command line: arguments → pipelines, progress to standard error, results to standard output.
 //! Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.
 
+use crate::pipeline::folder;
 use crate::pipeline::plan::Plan;
 use crate::pipeline::run::{self, Observer, Options, RunError, Standing};
 use crate::pipeline::source::InputError;
@@ -134,7 +135,7 @@ pub fn main() -> ExitCode {
         Command::Status(common) => for_each(&common, |plan| list(plan, false)),
         Command::Explain(common) => for_each(&common, |plan| list(plan, true)),
         Command::Clean(common) => for_each(&common, |plan| {
-            let removed = run::clean(plan)?;
+            let removed = folder::clean(plan)?;
             println!("{}: {removed} files removed", plan.folder.display());
             Ok(())
         }),

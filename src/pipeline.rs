@@ -1,8 +1,10 @@
 //! A pipeline file to results: [`spec`] (YAML as written) → [`plan`] (checked) → [`stamp`] (what is
 //! stale) → [`run`].
 
+pub mod folder;
 pub mod plan;
 pub mod quantity;
+mod recipe;
 pub mod results;
 pub mod run;
 pub mod source;

@@ -158,7 +158,6 @@ impl Symbolic {
         Ok(Factor {
             structure: self.structure.clone(),
             values,
-            par,
         })
     }
 
@@ -203,18 +202,18 @@ impl Symbolic {
 pub struct Factor {
     structure: Arc<SymbolicCholesky<u32>>,
     values: Vec<f64>,
-    par: Par,
 }
 
 impl Factor {
-    /// Overwrites `rhs` by K⁻¹ rhs.
+    /// Overwrites `rhs` by K⁻¹ rhs, on one thread: the work is bound by memory, and a second thread
+    /// was slower at every size measured (docs/performance.md).
     pub fn solve_in_place(&self, rhs: &mut [f64]) {
-        let mut memory = MemBuffer::new(self.structure.solve_in_place_scratch::<f64>(1, self.par));
+        let mut memory = MemBuffer::new(self.structure.solve_in_place_scratch::<f64>(1, Par::Seq));
         let rows = rhs.len();
         LltRef::new(&self.structure, &self.values).solve_in_place_with_conj(
             Conj::No,
             MatMut::from_column_major_slice_mut(rhs, rows, 1),
-            self.par,
+            Par::Seq,
             MemStack::new(&mut memory),
         );
     }

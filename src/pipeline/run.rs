@@ -1,17 +1,17 @@
 //! Runs the stages that are stale: mesh → solve → output. Bad input is found before anything is
 //! written; what is written appears under its name only when it is whole.
 
+use super::folder::{draft, file_error, hash_of, lock, remove};
 use super::plan::Plan;
-use super::quantity;
+use super::recipe::recipe;
 use super::results::{Outcome, ResultsError};
 use super::source::InputError;
-use super::spec::Spec;
 use super::stamp::{self, Manifest, Reasons, Recipe, Stage};
 use super::validate::discretise;
 use crate::boundary::Boundary;
-use crate::gmsh::{self, Extract, GeoScript, GmshError};
+use crate::gmsh::{self, Extract, GmshError};
 use crate::model::Model;
-use crate::output::{WriteError, partial_name, write_whole};
+use crate::output::{WriteError, write_whole};
 use crate::phases::{Phase, Phases, peak_memory};
 use crate::statics::{self, Solution, StaticsError, SystemSize};
 use serde::{Deserialize, Serialize};
@@ -21,7 +21,6 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use tempfile::TempDir;
 use thiserror::Error;
 
 /// Why a run ended early.
@@ -97,8 +96,8 @@ pub trait Observer {
     fn warns(&mut self, text: &str);
 }
 
-const MESH_FILE: &str = "mesh.bin";
-const SOLUTION_FILE: &str = "solution.bin";
+pub(super) const MESH_FILE: &str = "mesh.bin";
+pub(super) const SOLUTION_FILE: &str = "solution.bin";
 pub const SUMMARY_FILE: &str = "summary.json";
 
 /// The solve stage's result, as it is kept.
@@ -468,159 +467,9 @@ impl Run<'_> {
     }
 }
 
-/// Held until it is dropped, or until the process ends in whatever way.
-fn lock(folder: &Path) -> Result<File, RunError> {
-    fs::create_dir_all(folder.join(".stamps"))
-        .map_err(|source| file_error("create", folder, source))?;
-    let path = folder.join(LOCK_FILE);
-    let open = File::options()
-        .write(true)
-        .create(true)
-        .truncate(false)
-        .open(&path);
-    let file = open.map_err(|source| file_error("create", &path, source))?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(fs::TryLockError::WouldBlock) => Err(RunError::Busy {
-            folder: folder.to_owned(),
-        }),
-        Err(fs::TryLockError::Error(source)) => Err(file_error("lock", &path, source)),
-    }
-}
-
-const LOCK_FILE: &str = ".stamps/lock";
-const DRAFT_FOLDER: &str = ".draft";
-
-/// An empty folder for files that are not yet results. One that a killed run left is removed.
-fn draft(folder: &Path) -> Result<TempDir, RunError> {
-    remove_folder(&folder.join(DRAFT_FOLDER))?;
-    let draft = tempfile::Builder::new()
-        .prefix(DRAFT_FOLDER)
-        .rand_bytes(0)
-        .tempdir_in(folder);
-    draft.map_err(|source| file_error("create a folder in", folder, source))
-}
-
 /// A lattice whose areas are off by more than this is worth a word: the paper's full cells on grid
 /// nodes are.
 const AREA_WARNING: f64 = 1e-6;
-
-/// What a stage would be made from now. `kept`: the hash of a file that an earlier stage delivers.
-fn recipe(plan: &Plan, stage: Stage, kept: &dyn Fn(&str) -> String) -> Result<Recipe, RunError> {
-    let kept = |name: &str| (name.to_owned(), kept(name));
-    let physics = [
-        "geometry",
-        "plane",
-        "thickness",
-        "materials",
-        "regions",
-        "coupling",
-        "boundary",
-    ];
-    let (settings, inputs) = match stage {
-        Stage::Mesh => {
-            let mut settings = settings(&plan.spec, &["geometry.parameters"]);
-            settings.insert("gmsh".to_owned(), gmsh_library());
-            (settings, geometry_files(plan)?)
-        }
-        Stage::Solve => {
-            let mut settings = settings(&plan.spec, &physics);
-            settings.retain(|key, _| !key.starts_with("geometry.") || key == "geometry.unit");
-            (settings, [kept(MESH_FILE)].into())
-        }
-        Stage::Output => {
-            let mut settings = settings(&plan.spec, &physics);
-            settings.retain(|key, _| !key.starts_with("geometry.") || key == "geometry.unit");
-            settings.extend(self::settings(&plan.spec, &["name", "probes", "output"]));
-            (settings, [kept(MESH_FILE), kept(SOLUTION_FILE)].into())
-        }
-    };
-    Ok(Recipe::new(stage, settings, inputs))
-}
-
-/// The parts of the pipeline file below `prefixes`, one line per value, quantities in SI units.
-fn settings(spec: &Spec, prefixes: &[&str]) -> BTreeMap<String, String> {
-    let mut flat = BTreeMap::new();
-    let value = serde_json::to_value(spec).expect("a spec is plain data");
-    flatten("", &value, &mut flat);
-    let below = |key: &str| {
-        prefixes
-            .iter()
-            .any(|p| key == *p || key.starts_with(&format!("{p}.")))
-    };
-    flat.retain(|key, _| below(key));
-    flat
-}
-
-fn flatten(key: &str, value: &Value, flat: &mut BTreeMap<String, String>) {
-    let join = |step: &str| {
-        if key.is_empty() {
-            step.to_owned()
-        } else {
-            format!("{key}.{step}")
-        }
-    };
-    match value {
-        Value::Object(map) => map
-            .iter()
-            .for_each(|(step, v)| flatten(&join(step), v, flat)),
-        Value::Array(list) => {
-            list.iter()
-                .enumerate()
-                .for_each(|(k, v)| flatten(&join(&k.to_string()), v, flat));
-        }
-        Value::String(text) => {
-            flat.insert(key.to_owned(), canonical(text));
-        }
-        other => {
-            flat.insert(key.to_owned(), other.to_string());
-        }
-    }
-}
-
-/// `2.5 mm` and `0.0025 m` are the same quantity.
-fn canonical(text: &str) -> String {
-    match quantity::parse_any(text) {
-        Ok((number, Some(dimension))) => format!("{number:?} {}", dimension.symbol()),
-        Ok((number, None)) => format!("{number:?}"),
-        Err(_) => text.to_owned(),
-    }
-}
-
-/// The file name of the library that would mesh, which carries its version.
-fn gmsh_library() -> String {
-    let search = gmsh::library::Places::of_this_process().search();
-    let name = search.found.first().and_then(|path| path.file_name());
-    name.map_or_else(
-        || "none".to_owned(),
-        |name| name.to_string_lossy().into_owned(),
-    )
-}
-
-/// The geometry and all that it includes, with their hashes.
-fn geometry_files(plan: &Plan) -> Result<BTreeMap<String, String>, RunError> {
-    let file = &plan.geometry.file;
-    let is_script = file.extension().is_some_and(|extension| extension == "geo");
-    let files = if is_script {
-        GeoScript::scan(file)
-            .map_err(|error| gmsh_error(plan, error.into()))?
-            .files
-    } else {
-        vec![file.clone()]
-    };
-    // Relative names: from where the run is started must not matter.
-    let folder = file.parent().unwrap_or(Path::new(""));
-    let name = |file: &Path| {
-        file.strip_prefix(folder)
-            .unwrap_or(file)
-            .display()
-            .to_string()
-    };
-    files
-        .iter()
-        .map(|file| Ok((name(file), hash_of(file)?)))
-        .collect()
-}
 
 fn mesh_geometry(plan: &Plan, options: &Options) -> Result<Extract, RunError> {
     gmsh::mesh(
@@ -632,7 +481,7 @@ fn mesh_geometry(plan: &Plan, options: &Options) -> Result<Extract, RunError> {
 }
 
 /// Whose fault is it? The user's errors get their place in the pipeline and exit code 2.
-fn gmsh_error(plan: &Plan, error: GmshError) -> RunError {
+pub(super) fn gmsh_error(plan: &Plan, error: GmshError) -> RunError {
     let (key, help) = match &error {
         GmshError::UnknownParameter { name, .. }
         | GmshError::FixedParameter { name, .. }
@@ -702,66 +551,4 @@ fn store(solution: &Solution) -> StoredSolution {
 /// The summary of the last finished run.
 pub fn read_summary(folder: &Path) -> Option<Value> {
     serde_json::from_slice(&fs::read(folder.join(SUMMARY_FILE)).ok()?).ok()
-}
-
-fn hash_of(path: &Path) -> Result<String, RunError> {
-    let unreadable = || file_error("read", path, io::ErrorKind::NotFound.into());
-    stamp::hash_file(path).ok_or_else(unreadable)
-}
-
-fn remove(path: &Path) -> Result<(), RunError> {
-    match fs::remove_file(path) {
-        Err(source) if source.kind() != io::ErrorKind::NotFound => {
-            Err(file_error("remove", path, source))
-        }
-        _ => Ok(()),
-    }
-}
-
-fn file_error(action: &'static str, path: &Path, source: io::Error) -> RunError {
-    RunError::File {
-        action,
-        path: path.to_owned(),
-        source,
-    }
-}
-
-fn remove_folder(path: &Path) -> Result<(), RunError> {
-    match fs::remove_dir_all(path) {
-        Err(source) if source.kind() != io::ErrorKind::NotFound => {
-            Err(file_error("remove", path, source))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Removes what the stages have written, finished or not, and the folder if nothing else is in it.
-/// Returns the number of results removed.
-///
-/// # Errors
-/// A file that cannot be removed; another run that is writing.
-pub fn clean(plan: &Plan) -> Result<usize, RunError> {
-    let folder = &plan.folder;
-    if !folder.join(".stamps").is_dir() {
-        return Ok(0);
-    }
-    let lock = lock(folder)?;
-    let mut removed = 0;
-    for stage in Stage::ALL {
-        let manifest = stamp::read(folder, stage);
-        for name in manifest.iter().flat_map(|manifest| manifest.outputs.keys()) {
-            removed += usize::from(folder.join(name).exists());
-            remove(&folder.join(name))?;
-            remove(&partial_name(&folder.join(name)))?;
-        }
-        remove(&stamp::path(folder, stage))?;
-        remove(&partial_name(&stamp::path(folder, stage)))?;
-    }
-    remove_folder(&folder.join(DRAFT_FOLDER))?;
-    drop(lock);
-    remove(&folder.join(LOCK_FILE))?;
-    // Both fail where the user keeps something there.
-    let _ = fs::remove_dir(folder.join(".stamps"));
-    let _ = fs::remove_dir(folder);
-    Ok(removed)
 }

@@ -1,0 +1,105 @@
+//! The results folder: one writer at a time, drafts, and removal of what the stages wrote.
+
+use super::plan::Plan;
+use super::run::RunError;
+use super::stamp::{self, Stage};
+use crate::output::partial_name;
+use std::fs::{self, File};
+use std::io;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// Held until it is dropped, or until the process ends in whatever way.
+pub(super) fn lock(folder: &Path) -> Result<File, RunError> {
+    fs::create_dir_all(folder.join(".stamps"))
+        .map_err(|source| file_error("create", folder, source))?;
+    let path = folder.join(LOCK_FILE);
+    let open = File::options()
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .open(&path);
+    let file = open.map_err(|source| file_error("create", &path, source))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(fs::TryLockError::WouldBlock) => Err(RunError::Busy {
+            folder: folder.to_owned(),
+        }),
+        Err(fs::TryLockError::Error(source)) => Err(file_error("lock", &path, source)),
+    }
+}
+
+pub(super) const LOCK_FILE: &str = ".stamps/lock";
+pub(super) const DRAFT_FOLDER: &str = ".draft";
+
+/// An empty folder for files that are not yet results. One that a killed run left is removed.
+pub(super) fn draft(folder: &Path) -> Result<TempDir, RunError> {
+    remove_folder(&folder.join(DRAFT_FOLDER))?;
+    let draft = tempfile::Builder::new()
+        .prefix(DRAFT_FOLDER)
+        .rand_bytes(0)
+        .tempdir_in(folder);
+    draft.map_err(|source| file_error("create a folder in", folder, source))
+}
+
+pub(super) fn hash_of(path: &Path) -> Result<String, RunError> {
+    let unreadable = || file_error("read", path, io::ErrorKind::NotFound.into());
+    stamp::hash_file(path).ok_or_else(unreadable)
+}
+
+pub(super) fn remove(path: &Path) -> Result<(), RunError> {
+    match fs::remove_file(path) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => {
+            Err(file_error("remove", path, source))
+        }
+        _ => Ok(()),
+    }
+}
+
+pub(super) fn remove_folder(path: &Path) -> Result<(), RunError> {
+    match fs::remove_dir_all(path) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => {
+            Err(file_error("remove", path, source))
+        }
+        _ => Ok(()),
+    }
+}
+
+pub(super) fn file_error(action: &'static str, path: &Path, source: io::Error) -> RunError {
+    RunError::File {
+        action,
+        path: path.to_owned(),
+        source,
+    }
+}
+
+/// Removes what the stages have written, finished or not, and the folder if nothing else is in it.
+/// Returns the number of results removed.
+///
+/// # Errors
+/// A file that cannot be removed; another run that is writing.
+pub fn clean(plan: &Plan) -> Result<usize, RunError> {
+    let folder = &plan.folder;
+    if !folder.join(".stamps").is_dir() {
+        return Ok(0);
+    }
+    let lock = lock(folder)?;
+    let mut removed = 0;
+    for stage in Stage::ALL {
+        let manifest = stamp::read(folder, stage);
+        for name in manifest.iter().flat_map(|manifest| manifest.outputs.keys()) {
+            removed += usize::from(folder.join(name).exists());
+            remove(&folder.join(name))?;
+            remove(&partial_name(&folder.join(name)))?;
+        }
+        remove(&stamp::path(folder, stage))?;
+        remove(&partial_name(&stamp::path(folder, stage)))?;
+    }
+    remove_folder(&folder.join(DRAFT_FOLDER))?;
+    drop(lock);
+    remove(&folder.join(LOCK_FILE))?;
+    // Both fail where the user keeps something there.
+    let _ = fs::remove_dir(folder.join(".stamps"));
+    let _ = fs::remove_dir(folder);
+    Ok(removed)
+}

@@ -391,6 +391,10 @@ impl Observer for Progress {
         ));
     }
 
+    fn progress(&mut self, text: &str) {
+        self.spinner.set_message(format!("{}: {text}", self.name));
+    }
+
     fn is_fresh(&mut self, stage: Stage) {
         self.line(&format!("{stage:<6}    fresh"));
     }

@@ -69,6 +69,11 @@ impl Outline {
             .collect()
     }
 
+    /// Whether a point lies inside.
+    pub fn contains(&self, [x, y]: [f64; 2]) -> bool {
+        self.inside_at(y).iter().any(|&[from, to]| from <= x && x <= to)
+    }
+
     /// The part with `low` ≤ coordinate ≤ `high` along `axis`. Its area is exact; its polygons may
     /// touch themselves (Sutherland & Hodgman 1974).
     pub fn strip(&self, axis: usize, low: f64, high: f64) -> Outline {

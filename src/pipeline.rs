@@ -2,6 +2,7 @@
 //! stale) → [`run`].
 
 pub mod folder;
+pub mod fracture;
 pub mod plan;
 pub mod quantity;
 mod recipe;

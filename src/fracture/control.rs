@@ -45,6 +45,25 @@ pub enum Ending {
     NothingLeftToBreak,
 }
 
+impl Ending {
+    pub const ALL: [Ending; 4] = [
+        Ending::Separated,
+        Ending::StepLimit,
+        Ending::PassLimit,
+        Ending::NothingLeftToBreak,
+    ];
+
+    /// In a few words.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Ending::Separated => "separated",
+            Ending::StepLimit => "step limit",
+            Ending::PassLimit => "pass limit",
+            Ending::NothingLeftToBreak => "nothing left to break",
+        }
+    }
+}
+
 /// A body whose reaction is below this share of its peak is separated.
 pub const SEPARATED: f64 = 0.02;
 
@@ -117,6 +136,18 @@ pub fn run<E: From<StaticsError>>(
             response.refresh(state, phases)?;
         }
     }
+}
+
+/// The solution for λ = 1 in the given state.
+///
+/// # Errors
+/// What the solver reports.
+pub fn unit_response(
+    problem: &Problem,
+    state: &mut State,
+    phases: &mut Phases,
+) -> Result<Solution, StaticsError> {
+    Ok(Response::new(problem, state, phases)?.unit)
 }
 
 /// The solution for λ = 1 with the bonds that are intact.

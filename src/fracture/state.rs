@@ -119,27 +119,27 @@ impl State {
         let pairs = model.intact.iter().zip(&self.intact);
         pairs.filter(|&(&before, &now)| before && !now).count()
     }
+}
 
-    /// φ_i = 1 − Σ μ_ij A_j / Σ A_j over the family, Qian et al. (2021), eq. (7) [-], by material
-    /// point.
-    pub fn damage(&self, model: &Model) -> Vec<f64> {
-        let first = model.fe_node_count();
-        let mut broken = vec![0.0; model.areas.len()];
-        let mut whole = vec![0.0; model.areas.len()];
-        for (bond, &[i, j]) in model.springs.ends[..model.bond_count].iter().enumerate() {
-            let ends = [i, j].map(|node| node as usize - first);
-            let (xi, _) = springs::axis([i, j], &model.positions);
-            let fraction = model.area_fraction(i as usize, xi);
-            for (own, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
-                let area = model.areas[other] * fraction;
-                whole[own] += area;
-                if !self.intact[bond] {
-                    broken[own] += area;
-                }
+/// φ_i = 1 − Σ μ_ij A_j / Σ A_j over the family, Qian et al. (2021), eq. (7) [-], by material
+/// point.
+pub fn damage(model: &Model, intact: &[bool]) -> Vec<f64> {
+    let first = model.fe_node_count();
+    let mut broken = vec![0.0; model.areas.len()];
+    let mut whole = vec![0.0; model.areas.len()];
+    for (bond, &[i, j]) in model.springs.ends[..model.bond_count].iter().enumerate() {
+        let ends = [i, j].map(|node| node as usize - first);
+        let (xi, _) = springs::axis([i, j], &model.positions);
+        let fraction = model.area_fraction(i as usize, xi);
+        for (own, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
+            let area = model.areas[other] * fraction;
+            whole[own] += area;
+            if !intact[bond] {
+                broken[own] += area;
             }
         }
-        broken.iter().zip(whole).map(|(b, w)| if w > 0.0 { b / w } else { 0.0 }).collect()
     }
+    broken.iter().zip(whole).map(|(b, w)| if w > 0.0 { b / w } else { 0.0 }).collect()
 }
 
 /// The critical stretch of every spring.

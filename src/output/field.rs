@@ -11,6 +11,10 @@ pub enum FieldName {
     Stress,
     /// Relative elongation of a bond [-]
     Stretch,
+    /// Broken share of a material point's family, weighted by area: 0 intact, 1 separated [-]
+    Damage,
+    /// 1 where a bond or truss is intact, 0 where it is broken [-]
+    Intact,
     /// Stiffness of a bond or truss [N/m]
     Stiffness,
     /// 1 for a truss of the coupling, 0 for a bond [-]
@@ -26,11 +30,13 @@ pub enum FieldName {
 }
 
 impl FieldName {
-    pub const ALL: [FieldName; 10] = [
+    pub const ALL: [FieldName; 12] = [
         FieldName::Displacement,
         FieldName::Strain,
         FieldName::Stress,
         FieldName::Stretch,
+        FieldName::Damage,
+        FieldName::Intact,
         FieldName::Stiffness,
         FieldName::Truss,
         FieldName::Area,
@@ -45,6 +51,8 @@ impl FieldName {
             FieldName::Strain => "strain",
             FieldName::Stress => "stress",
             FieldName::Stretch => "stretch",
+            FieldName::Damage => "damage",
+            FieldName::Intact => "intact",
             FieldName::Stiffness => "stiffness",
             FieldName::Truss => "truss",
             FieldName::Area => "area",

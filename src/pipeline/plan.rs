@@ -7,6 +7,8 @@ use super::spec::{self, Spec};
 use super::yaml;
 use crate::coupling::truss::NodeArea;
 use crate::fem::edge::EdgeLoad;
+use crate::fracture::control::{Control, Until};
+use crate::fracture::failure::Strength;
 use crate::gmsh::Value;
 use crate::material::{Material, PlaneState};
 use crate::model::{Method, ModelSettings, PeridynamicSettings};
@@ -25,7 +27,14 @@ pub struct Plan {
     pub geometry: GeometryPlan,
     pub model: ModelSettings,
     pub regions: Vec<RegionPlan>,
+    /// Physical curves.
+    pub cracks: Vec<String>,
+    /// Physical surfaces.
+    pub no_fail: Vec<String>,
+    pub trusses_break: bool,
     pub conditions: Vec<Condition>,
+    /// `None`: one elastic solve.
+    pub loading: Option<Loading>,
     pub probes: Vec<Probe>,
     pub output: spec::Output,
     /// What was written, with the defaults filled in.
@@ -45,7 +54,16 @@ pub struct RegionPlan {
     pub groups: Vec<String>,
     pub material_name: String,
     pub material: Material,
+    /// `None`: its bonds never break.
+    pub strength: Option<Strength>,
     pub method: Method,
+}
+
+/// How the load grows while bonds break.
+#[derive(Clone, Copy, Debug)]
+pub struct Loading {
+    pub control: Control,
+    pub until: Until,
 }
 
 impl RegionPlan {
@@ -119,7 +137,11 @@ impl Plan {
                 node_area: reader.node_area()?,
             },
             regions: reader.regions(&materials, plane)?,
+            cracks: spec.cracks.clone(),
+            no_fail: spec.no_fail.clone(),
+            trusses_break: spec.coupling.truss.breakable,
             conditions: reader.conditions()?,
+            loading: reader.loading()?,
             probes: reader.probes()?,
             output: spec.output.clone(),
             spec,
@@ -307,6 +329,79 @@ impl Reader<'_> {
         self.spec.materials.iter().map(material).collect()
     }
 
+    /// What breaks the bonds of a material: its strengths, or its energy release rate.
+    fn strength(&self, name: &str) -> Result<Option<Strength>, InputError> {
+        let written = &self.spec.materials[name];
+        let key = |field: &str| format!("materials/{name}/{field}");
+        let read = |field: &str, value: &Option<spec::Scalar>, dimension| {
+            let value = value.as_ref();
+            value.map(|v| self.positive(&key(field), v, dimension)).transpose()
+        };
+        let tensile = read("tensile_strength", &written.tensile_strength, Dimension::PRESSURE)?;
+        let compressive =
+            read("compressive_strength", &written.compressive_strength, Dimension::PRESSURE)?;
+        let rate =
+            read("energy_release_rate", &written.energy_release_rate, Dimension::ENERGY_PER_AREA)?;
+        match (tensile, compressive, rate) {
+            (None, None, None) => Ok(None),
+            (Some(tensile), compressive, None) => {
+                Ok(Some(Strength::Stress { tensile, compressive }))
+            }
+            (None, None, Some(rate)) => Ok(Some(Strength::EnergyReleaseRate(rate))),
+            (None, Some(_), _) => {
+                let message = "a compressive strength needs a tensile strength beside it";
+                let help = Some("add `tensile_strength`".to_owned());
+                Err(self.source.error(&key("compressive_strength"), message, help))
+            }
+            (Some(_), _, Some(_)) => {
+                let message = "a material breaks by its strength or by its energy release rate";
+                let help = Some("remove one of `tensile_strength` and `energy_release_rate`".to_owned());
+                Err(self.source.error(&key("energy_release_rate"), message, help))
+            }
+        }
+    }
+
+    fn loading(&self) -> Result<Option<Loading>, InputError> {
+        let Some(written) = &self.spec.loading else {
+            return Ok(None);
+        };
+        let counts = [
+            ("loading/steps", written.steps),
+            ("loading/most_passes", written.most_passes),
+            ("output/every", self.spec.output.every),
+        ];
+        if let Some((key, _)) = counts.iter().find(|(_, count)| *count == 0) {
+            let help = Some("write a whole number from 1 on".to_owned());
+            return Err(self.source.error(key, "this must not be zero", help));
+        }
+        let breakable = |region: &spec::Region| {
+            let material = self.spec.materials.get(&region.material);
+            region.model == spec::RegionModel::Peridynamics
+                && material.is_some_and(|m| {
+                    m.tensile_strength.is_some() || m.energy_release_rate.is_some()
+                })
+        };
+        if !self.spec.regions.iter().any(breakable) {
+            let message = "no bond can break: no peridynamic region has a strength";
+            let help = "give its material a `tensile_strength` or an `energy_release_rate`, or \
+                        remove `loading` for one elastic solve";
+            return Err(self.source.error("loading", message, Some(help.to_owned())));
+        }
+        Ok(Some(Loading {
+            control: match written.control {
+                spec::Control::OnePass => Control::OnePass,
+                spec::Control::Equilibrium => {
+                    Control::Equilibrium { most_passes: written.most_passes }
+                }
+                spec::Control::EventDriven => Control::EventDriven,
+            },
+            until: Until {
+                steps: written.steps,
+                separated: written.until == spec::Until::Separated,
+            },
+        }))
+    }
+
     fn node_area(&self) -> Result<NodeArea, InputError> {
         let written = &self.spec.coupling.truss.node_area;
         match written.0.as_str() {
@@ -353,6 +448,7 @@ impl Reader<'_> {
                 groups: region.group.0.clone(),
                 material_name: region.material.clone(),
                 material,
+                strength: self.strength(&region.material)?,
                 method,
             })
         };

@@ -16,6 +16,7 @@ impl Dimension {
     pub const LENGTH: Dimension = Dimension::new(1, 0, 0);
     pub const AREA: Dimension = Dimension::new(2, 0, 0);
     pub const PRESSURE: Dimension = Dimension::new(-1, 1, -2);
+    pub const ENERGY_PER_AREA: Dimension = Dimension::new(0, 1, -2);
 
     const fn new(metre: i32, kilogram: i32, second: i32) -> Dimension {
         Dimension {

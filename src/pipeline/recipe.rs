@@ -24,8 +24,12 @@ pub(super) fn recipe(
         "thickness",
         "materials",
         "regions",
+        "cracks",
+        "no_fail",
         "coupling",
         "boundary",
+        "loading",
+        "output.every",
     ];
     let (settings, inputs) = match stage {
         Stage::Mesh => {

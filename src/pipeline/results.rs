@@ -1,6 +1,8 @@
 //! What a run leaves in `results/NAME/`: VTU parts and their PVD, pictures, `summary.json`.
 
+use super::fracture::{Frame, Line, read_frame};
 use super::plan::{Plan, Probe};
+use super::run::{RunError, Solved};
 use super::spec::OutputField;
 use crate::boundary::Boundary;
 use crate::fem::element::MappedPoint;
@@ -13,7 +15,8 @@ use crate::output::picture::{
 use crate::output::pvd::{self, PvdError};
 use crate::output::vtu::{Part, PartCell, VtuError};
 use crate::phases::Phases;
-use crate::statics::{Solution, group_reactions};
+use crate::fracture::state;
+use crate::statics::group_reactions;
 use serde_json::{Value, json};
 use std::path::Path;
 use thiserror::Error;
@@ -35,7 +38,7 @@ pub struct Outcome<'a> {
     pub plan: &'a Plan,
     pub model: &'a Model,
     pub boundary: &'a Boundary,
-    pub solution: &'a Solution,
+    pub solved: &'a Solved,
     pub gmsh_version: &'a str,
 }
 
@@ -44,7 +47,7 @@ impl Outcome<'_> {
     ///
     /// # Errors
     /// See [`ResultsError`].
-    pub fn write(&self, folder: &Path, phases: &mut Phases) -> Result<Vec<String>, ResultsError> {
+    pub fn write(&self, folder: &Path, phases: &mut Phases) -> Result<Vec<String>, RunError> {
         let mut files = phases.measure("vtu", || self.write_parts(folder))?;
         if self.plan.output.pictures {
             files.extend(phases.measure("pictures", || self.write_pictures(folder))?);
@@ -52,43 +55,69 @@ impl Outcome<'_> {
         Ok(files)
     }
 
-    fn write_parts(&self, folder: &Path) -> Result<Vec<String>, ResultsError> {
-        let name = &self.plan.name;
+    /// One set of parts, or one for each frame of a fracture run.
+    fn write_parts(&self, folder: &Path) -> Result<Vec<String>, RunError> {
+        let mut files = Vec::new();
+        let mut entries = Vec::new();
+        match &self.solved.fracture {
+            None => {
+                let frame = Frame {
+                    step: 0,
+                    load_factor: 1.0,
+                    displacement: self.solved.solution.displacement.clone(),
+                    intact: self.model.intact.clone(),
+                };
+                self.write_frame(&frame, "", folder, &mut files, &mut entries)?;
+            }
+            Some(course) => {
+                for &step in &course.frames {
+                    let frame = read_frame(&self.plan.folder, step)?;
+                    let suffix = format!("_{step:06}");
+                    self.write_frame(&frame, &suffix, folder, &mut files, &mut entries)?;
+                }
+            }
+        }
+        let series = format!("{}.pvd", self.plan.name);
+        pvd::write(&folder.join(&series), &entries).map_err(ResultsError::from)?;
+        files.push(series);
+        Ok(files)
+    }
+
+    fn write_frame(
+        &self,
+        frame: &Frame,
+        suffix: &str,
+        folder: &Path,
+        files: &mut Vec<String>,
+        entries: &mut Vec<pvd::Entry>,
+    ) -> Result<(), ResultsError> {
         let mut parts = Vec::new();
         if !self.model.elements.is_empty() {
-            parts.push((
-                "finite elements",
-                format!("{name}_elements.vtu"),
-                self.element_part(),
-            ));
+            parts.push(("finite elements", "elements", self.element_part(frame)));
         }
         if !self.model.areas.is_empty() {
-            parts.push((
-                "material points",
-                format!("{name}_points.vtu"),
-                self.point_part(),
-            ));
+            parts.push(("material points", "points", self.point_part(frame)));
         }
         if self.plan.output.bonds && !self.model.springs.is_empty() {
-            parts.push(("bonds", format!("{name}_bonds.vtu"), self.bond_part()));
+            parts.push(("bonds", "bonds", self.bond_part(frame)));
         }
-        let mut entries = Vec::new();
-        for (index, (title, file, part)) in parts.iter().enumerate() {
-            part.write(&folder.join(file))?;
+        for (index, (title, kind, part)) in parts.into_iter().enumerate() {
+            let file = format!("{}_{kind}{suffix}.vtu", self.plan.name);
+            part.write(&folder.join(&file))?;
             entries.push(pvd::Entry {
-                time: 0.0,
+                time: frame.step as f64,
                 part: index,
-                name: (*title).to_owned(),
+                name: title.to_owned(),
                 file: file.clone(),
             });
+            files.push(file);
         }
-        let series = format!("{name}.pvd");
-        pvd::write(&folder.join(&series), &entries)?;
-        Ok(parts
-            .into_iter()
-            .map(|(_, file, _)| file)
-            .chain([series])
-            .collect())
+        Ok(())
+    }
+
+    /// Whether bonds can be broken: by cracks from the start, or by load.
+    fn has_damage(&self) -> bool {
+        !self.plan.cracks.is_empty() || self.plan.loading.is_some()
     }
 
     fn wants(&self, field: OutputField) -> bool {
@@ -96,9 +125,9 @@ impl Outcome<'_> {
     }
 
     /// Finite elements: a point per node, and one more where materials meet.
-    fn element_part(&self) -> Part {
+    fn element_part(&self, frame: &Frame) -> Part {
         let model = self.model;
-        let nodal = NodalFields::new(model, &self.solution.displacement);
+        let nodal = NodalFields::new(model, &frame.displacement);
         let at = |values: &[[f64; 2]]| nodal.nodes.iter().map(|&n| values[n as usize]).collect();
         let mut part = Part::new(at(&model.positions));
         for (element, copies) in nodal.element_copies.iter().enumerate() {
@@ -107,7 +136,7 @@ impl Outcome<'_> {
         if self.wants(OutputField::Displacement) {
             part.point_data.push(Field::vector(
                 FieldName::Displacement,
-                at(&self.solution.displacement),
+                at(&frame.displacement),
             ));
         }
         let (stress, strain) = (nodal.stress, nodal.strain);
@@ -125,12 +154,12 @@ impl Outcome<'_> {
         part
     }
 
-    fn point_part(&self) -> Part {
+    fn point_part(&self, frame: &Frame) -> Part {
         let model = self.model;
         let first = model.fe_node_count();
         let mut part = Part::of_vertices(model.positions[first..].to_vec());
         if self.wants(OutputField::Displacement) {
-            let u = self.solution.displacement[first..].to_vec();
+            let u = frame.displacement[first..].to_vec();
             part.point_data
                 .push(Field::vector(FieldName::Displacement, u));
         }
@@ -139,6 +168,10 @@ impl Outcome<'_> {
             .iter()
             .map(|a| a * model.settings.thickness)
             .collect();
+        if self.has_damage() {
+            let damage = state::damage(model, &frame.intact);
+            part.point_data.push(Field::scalar(FieldName::Damage, damage));
+        }
         part.point_data
             .push(Field::scalar(FieldName::Area, model.areas.clone()));
         part.point_data
@@ -152,7 +185,7 @@ impl Outcome<'_> {
     }
 
     /// Bonds and trusses with stiffness.
-    fn bond_part(&self) -> Part {
+    fn bond_part(&self, frame: &Frame) -> Part {
         let model = self.model;
         let stiff: Vec<usize> = (0..model.springs.len())
             .filter(|&s| model.springs.stiffness[s] != 0.0)
@@ -163,11 +196,11 @@ impl Outcome<'_> {
             .collect();
         let mut part = Part::of_lines(model.positions.clone(), &ends);
         if self.wants(OutputField::Displacement) {
-            let u = self.solution.displacement.clone();
+            let u = frame.displacement.clone();
             part.point_data
                 .push(Field::vector(FieldName::Displacement, u));
         }
-        let all = stretches(model, &self.solution.displacement);
+        let all = stretches(model, &frame.displacement);
         let of_stiff = |values: &[f64]| stiff.iter().map(|&s| values[s]).collect();
         let is_truss = stiff
             .iter()
@@ -212,7 +245,41 @@ impl Outcome<'_> {
                 .write(&folder.join(file))?;
             files.push(file.to_owned());
         }
+        if self.has_damage() {
+            self.damage_picture().draw()?.write(&folder.join("damage.png"))?;
+            files.push("damage.png".to_owned());
+        }
         Ok(files)
+    }
+
+    /// Damage of the last state.
+    fn damage_picture(&self) -> FieldPicture {
+        let model = self.model;
+        let course = self.solved.fracture.as_ref();
+        let damage = state::damage(model, &self.solved.intact);
+        let squares = self.dots().into_iter().zip(damage);
+        let cells = model.elements.iter().map(|&(_, cell)| &model.mesh.cells[cell]);
+        let edges = cells.flat_map(|cell| cell.edges());
+        FieldPicture {
+            title: match course.and_then(|course| course.history.last()) {
+                Some(line) => format!("{}: damage at step {}", self.plan.name, line.step),
+                None => format!("{}: damage", self.plan.name),
+            },
+            quantity: "damage".to_owned(),
+            unit: String::new(),
+            deformation_scale: None,
+            facets: Vec::new(),
+            squares: squares
+                .map(|(dot, value)| Square {
+                    centre: dot.centre,
+                    side: dot.side,
+                    value,
+                })
+                .collect(),
+            lines: edges
+                .map(|edge| picture::edge_path(&edge, |n| model.mesh.nodes[n]))
+                .collect(),
+        }
     }
 
     fn mesh_picture(&self) -> MeshPicture {
@@ -270,7 +337,7 @@ impl Outcome<'_> {
     /// u_x or u_y on the deformed shape.
     fn displacement_picture(&self, axis: usize) -> FieldPicture {
         let model = self.model;
-        let u = &self.solution.displacement;
+        let u = &self.solved.solution.displacement;
         let exaggeration = picture::field::deformation_scale(self.extent(), u.iter().copied());
         let scale = exaggeration.unwrap_or(0.0);
         let moved = |node: usize| [0, 1].map(|k| model.positions[node][k] + scale * u[node][k]);
@@ -337,7 +404,8 @@ impl Outcome<'_> {
         json!({
             "name": self.plan.name,
             "pipeline": self.plan.source.path.display().to_string(),
-            "outcome": "solved",
+            "outcome": self.ending(),
+            "fracture": self.fracture_summary(),
             "versions": { "peristitch": env!("CARGO_PKG_VERSION"), "gmsh": self.gmsh_version },
             "sizes": {
                 "finite_elements": count(|m| *m == Method::FiniteElements),
@@ -345,9 +413,9 @@ impl Outcome<'_> {
                 "material_points": model.areas.len(),
                 "bonds": model.bond_count,
                 "trusses": model.springs.len() - model.bond_count,
-                "dofs": self.solution.size.dofs,
-                "stiffness_entries": self.solution.size.stiffness_entries,
-                "factor_entries": self.solution.size.factor_entries,
+                "dofs": self.solved.solution.size.dofs,
+                "stiffness_entries": self.solved.solution.size.stiffness_entries,
+                "factor_entries": self.solved.solution.size.factor_entries,
             },
             "lattices": model.points.iter().map(|p| self.lattice_summary(p)).collect::<Vec<_>>(),
             "interfaces": model.interfaces.iter().map(|i| json!({
@@ -357,8 +425,8 @@ impl Outcome<'_> {
                 "length_m": i.edges.iter().map(|e| model.edge_length(e)).sum::<f64>(),
             })).collect::<Vec<_>>(),
             "probes": self.plan.probes.iter().map(|p| self.probe(p)).collect::<Vec<_>>(),
-            "reactions_n": group_reactions(self.boundary, self.solution),
-            "residual": self.solution.residual,
+            "reactions_n": group_reactions(self.boundary, &self.solved.solution),
+            "residual": self.solved.solution.residual,
             "phases": phases.list.iter().map(|phase| json!({
                 "phase": phase.name,
                 "seconds": phase.time.as_secs_f64(),
@@ -368,6 +436,35 @@ impl Outcome<'_> {
             "peak_memory_bytes": peak_memory,
             "files": files,
         })
+    }
+
+    fn ending(&self) -> &'static str {
+        let course = self.solved.fracture.as_ref();
+        course.map_or("solved", |course| course.ending.describe())
+    }
+
+    /// Onset, peak and end of a fracture run.
+    fn fracture_summary(&self) -> Option<Value> {
+        let course = self.solved.fracture.as_ref()?;
+        let first = course.history.iter().find(|line| line.bonds_broken > 0);
+        let peak = course.history.iter().max_by(|a, b| a.reaction.total_cmp(&b.reaction));
+        let point = |line: &Line| {
+            json!({
+                "step": line.step,
+                "load_factor": line.load_factor,
+                "grip_displacement_m": line.grip_displacement,
+                "reaction_n": line.reaction,
+            })
+        };
+        Some(json!({
+            "first_break": first.map(point),
+            "peak": peak.map(point),
+            "end": course.history.last().map(point),
+            "bonds_broken": course.history.last().map_or(0, |line| line.bonds_broken_total),
+            "crack_length_m": course.history.last().map(|line| line.crack_length),
+            "largest_residual": course.history.iter().map(|l| l.residual).fold(0.0, f64::max),
+            "frames": course.frames,
+        }))
     }
 
     fn lattice_summary(&self, points: &crate::model::PointRegion) -> Value {
@@ -390,7 +487,7 @@ impl Outcome<'_> {
         let node = (0..positions.len())
             .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
             .expect("a model has nodes");
-        let value = self.solution.displacement[node][probe.axis];
+        let value = self.solved.solution.displacement[node][probe.axis];
         let component = ["x", "y"][probe.axis];
         json!({
             "name": probe.name,

@@ -1,14 +1,18 @@
 //! Runs the stages that are stale: mesh → solve → output. Bad input is found before anything is
 //! written; what is written appears under its name only when it is whole.
 
+use super::fracture::{
+    self, Fractured, HISTORY_FILE, Line, forget_checkpoint, frame_file,
+};
 use super::folder::{draft, file_error, hash_of, lock, remove};
-use super::plan::Plan;
+use super::plan::{Loading, Plan};
 use super::recipe::recipe;
 use super::results::{Outcome, ResultsError};
 use super::source::InputError;
 use super::stamp::{self, Manifest, Reasons, Recipe, Stage};
 use super::validate::discretise;
 use crate::boundary::Boundary;
+use crate::fracture::control::Ending;
 use crate::gmsh::{self, Extract, GmshError};
 use crate::model::Model;
 use crate::output::{WriteError, write_whole};
@@ -92,6 +96,7 @@ impl Default for Options {
 pub trait Observer {
     fn starts(&mut self, stage: Stage);
     fn ends(&mut self, stage: Stage, what: &str, time: Duration);
+    fn progress(&mut self, text: &str);
     fn is_fresh(&mut self, stage: Stage);
     fn warns(&mut self, text: &str);
 }
@@ -107,6 +112,35 @@ struct StoredSolution {
     reaction: Vec<[f64; 2]>,
     residual: f64,
     size: [usize; 3],
+    intact: Vec<bool>,
+    fracture: Option<StoredFracture>,
+}
+
+/// What a fracture run adds.
+#[derive(Serialize, Deserialize)]
+struct StoredFracture {
+    history: Vec<Line>,
+    frames: Vec<usize>,
+    /// As [`Ending::describe`] has it.
+    ending: String,
+}
+
+/// The solve stage's result.
+pub struct Solved {
+    /// The last state.
+    pub solution: Solution,
+    /// The springs that are intact in it.
+    pub intact: Vec<bool>,
+    /// How a fracture run got there.
+    pub fracture: Option<Course>,
+}
+
+/// The course of a fracture run.
+pub struct Course {
+    pub history: Vec<Line>,
+    /// Steps that have a frame.
+    pub frames: Vec<usize>,
+    pub ending: Ending,
 }
 
 /// How a stage's result stands.
@@ -177,7 +211,7 @@ pub fn run(
     if options.until == Stage::Mesh {
         return Ok(None);
     }
-    let solution = run.solve(&model, &boundary)?;
+    let solved = run.solve(&model, &boundary)?;
     if options.until == Stage::Solve {
         return Ok(None);
     }
@@ -185,7 +219,7 @@ pub fn run(
         plan,
         model: &model,
         boundary: &boundary,
-        solution: &solution,
+        solved: &solved,
         gmsh_version: &mesh.extract.gmsh_version,
     };
     run.output(&outcome).map(Some)
@@ -312,7 +346,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn solve(&mut self, model: &Model, boundary: &Boundary) -> Result<Solution, RunError> {
+    fn solve(&mut self, model: &Model, boundary: &Boundary) -> Result<Solved, RunError> {
         let path = self.plan.folder.join(SOLUTION_FILE);
         let recipe = self.recipe(Stage::Solve)?;
         if self.is_fresh(Stage::Solve, &recipe)
@@ -325,25 +359,79 @@ impl Run<'_> {
         self.lock()?;
         self.observer.starts(Stage::Solve);
         let start = Instant::now();
-        let solution = statics::solve(model, boundary, &mut self.phases)?;
-        let bytes = encode(&store(&solution));
-        self.begin(Stage::Solve, &[SOLUTION_FILE.to_owned()])?;
+        let solved = match self.plan.loading {
+            None => self.solve_once(model, boundary)?,
+            Some(loading) => self.break_apart(loading, model, boundary, &recipe)?,
+        };
+        let bytes = encode(&store(&solved));
+        let mut files = vec![SOLUTION_FILE.to_owned()];
+        if let Some(course) = &solved.fracture {
+            files.push(HISTORY_FILE.to_owned());
+            files.extend(course.frames.iter().map(|&step| frame_file(step)));
+        }
+        let obsolete = self.begin(Stage::Solve, &files)?;
         write_whole(&path, &bytes)?;
         self.kept.insert(SOLUTION_FILE, stamp::hash(&bytes));
-        self.finish(Stage::Solve, recipe, &[SOLUTION_FILE.to_owned()])?;
-        let what = format!(
-            "{} unknowns, {} bonds, {} trusses; residual {:.0e}",
-            solution.size.dofs,
-            model.bond_count,
-            model.springs.len() - model.bond_count,
-            solution.residual
-        );
+        for file in &obsolete {
+            remove(&self.plan.folder.join(file))?;
+        }
+        self.finish(Stage::Solve, recipe, &files)?;
+        forget_checkpoint(&self.plan.folder)?;
+        let what = describe(model, &solved);
         self.observer.ends(Stage::Solve, &what, start.elapsed());
-        Ok(solution)
+        Ok(solved)
+    }
+
+    fn solve_once(&mut self, model: &Model, boundary: &Boundary) -> Result<Solved, RunError> {
+        let solution = statics::solve(model, boundary, &mut self.phases)?;
+        Ok(Solved {
+            solution,
+            intact: model.intact.clone(),
+            fracture: None,
+        })
+    }
+
+    fn break_apart(
+        &mut self,
+        loading: Loading,
+        model: &Model,
+        boundary: &Boundary,
+        recipe: &Recipe,
+    ) -> Result<Solved, RunError> {
+        if self.options.force {
+            forget_checkpoint(&self.plan.folder)?;
+        }
+        // Frames of an unfinished run are known to `clean` and to the next run.
+        self.begin(Stage::Solve, &[HISTORY_FILE.to_owned()])?;
+        let recipe = serde_json::to_string(recipe).expect("a recipe is plain data");
+        let Fractured {
+            history,
+            frames,
+            ending,
+            solution,
+            intact,
+        } = fracture::run(
+            self.plan,
+            loading,
+            model,
+            boundary,
+            &recipe,
+            self.observer,
+            &mut self.phases,
+        )?;
+        Ok(Solved {
+            solution,
+            intact,
+            fracture: Some(Course {
+                history,
+                frames,
+                ending,
+            }),
+        })
     }
 
     /// The stored solution; the phases get the times that it took when it was computed.
-    fn restore(&mut self, stored: StoredSolution) -> Solution {
+    fn restore(&mut self, stored: StoredSolution) -> Solved {
         let manifest = stamp::read(&self.plan.folder, Stage::Solve);
         for (name, seconds) in manifest.into_iter().flat_map(|manifest| manifest.seconds) {
             if let Some(name) = Phases::STATICS.into_iter().find(|known| **known == name) {
@@ -352,7 +440,7 @@ impl Run<'_> {
             }
         }
         let [dofs, stiffness_entries, factor_entries] = stored.size;
-        Solution {
+        let solution = Solution {
             displacement: stored.displacement,
             reaction: stored.reaction,
             residual: stored.residual,
@@ -361,6 +449,17 @@ impl Run<'_> {
                 stiffness_entries,
                 factor_entries,
             },
+        };
+        let ending = |name: &str| Ending::ALL.into_iter().find(|ending| ending.describe() == name);
+        let course = |stored: StoredFracture| Course {
+            history: stored.history,
+            frames: stored.frames,
+            ending: ending(&stored.ending).unwrap_or(Ending::StepLimit),
+        };
+        Solved {
+            solution,
+            intact: stored.intact,
+            fracture: stored.fracture.map(course),
         }
     }
 
@@ -534,17 +633,43 @@ fn read_stored<T: for<'de> Deserialize<'de>>(path: &Path) -> Option<(T, Vec<u8>)
     Some((postcard::from_bytes(&bytes).ok()?, bytes))
 }
 
-fn store(solution: &Solution) -> StoredSolution {
+fn store(solved: &Solved) -> StoredSolution {
     let SystemSize {
         dofs,
         stiffness_entries,
         factor_entries,
-    } = solution.size;
+    } = solved.solution.size;
+    let fracture = |course: &Course| StoredFracture {
+        history: course.history.clone(),
+        frames: course.frames.clone(),
+        ending: course.ending.describe().to_owned(),
+    };
     StoredSolution {
-        displacement: solution.displacement.clone(),
-        reaction: solution.reaction.clone(),
-        residual: solution.residual,
+        displacement: solved.solution.displacement.clone(),
+        reaction: solved.solution.reaction.clone(),
+        residual: solved.solution.residual,
         size: [dofs, stiffness_entries, factor_entries],
+        intact: solved.intact.clone(),
+        fracture: solved.fracture.as_ref().map(fracture),
+    }
+}
+
+/// The solve stage in one line.
+fn describe(model: &Model, solved: &Solved) -> String {
+    let Solution { size, residual, .. } = &solved.solution;
+    let size = format!(
+        "{} unknowns, {} bonds, {} trusses",
+        size.dofs,
+        model.bond_count,
+        model.springs.len() - model.bond_count
+    );
+    match &solved.fracture {
+        None => format!("{size}; residual {residual:.0e}"),
+        Some(course) => {
+            let last = course.history.last();
+            let broken = last.map_or(0, |line| line.bonds_broken_total);
+            format!("{size}; {} steps, {broken} bonds broken", course.history.len())
+        }
     }
 }
 

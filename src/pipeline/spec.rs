@@ -17,9 +17,18 @@ pub struct Spec {
     pub thickness: Scalar,
     pub materials: BTreeMap<String, Material>,
     pub regions: Vec<Region>,
+    /// Physical curves that sever the bonds they meet.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cracks: Vec<String>,
+    /// Physical surfaces in which no bond breaks.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub no_fail: Vec<String>,
     #[serde(default)]
     pub coupling: Coupling,
     pub boundary: Vec<Boundary>,
+    /// Absent: one elastic solve.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loading: Option<Loading>,
     #[serde(default)]
     pub probes: BTreeMap<String, Probe>,
     #[serde(default)]
@@ -60,6 +69,12 @@ pub enum Plane {
 pub struct Material {
     pub young: Scalar,
     pub poisson: Scalar,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tensile_strength: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub compressive_strength: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_release_rate: Option<Scalar>,
 }
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -133,6 +148,9 @@ pub struct Truss {
     /// `lumped`, `half-edge` or an area.
     #[serde(default = "lumped")]
     pub node_area: Scalar,
+    /// Whether trusses break as bonds do.
+    #[serde(default)]
+    pub breakable: bool,
 }
 
 fn lumped() -> Scalar {
@@ -144,6 +162,7 @@ impl Default for Coupling {
         Coupling {
             truss: Truss {
                 node_area: lumped(),
+                breakable: false,
             },
         }
     }
@@ -205,6 +224,40 @@ pub struct Components {
     pub y: Option<Scalar>,
 }
 
+/// How the load grows while bonds break.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Loading {
+    pub control: Control,
+    /// Load steps, or events.
+    pub steps: usize,
+    #[serde(default)]
+    pub until: Until,
+    /// Under `control: equilibrium`, passes at one load.
+    #[serde(default = "most_passes")]
+    pub most_passes: usize,
+}
+
+fn most_passes() -> usize {
+    1000
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Control {
+    OnePass,
+    Equilibrium,
+    EventDriven,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Until {
+    #[default]
+    Separated,
+    Steps,
+}
+
 /// A displacement to report.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -228,6 +281,8 @@ pub enum Component {
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
     pub fields: Vec<OutputField>,
+    /// A frame at every so many steps; the first break and the end always have one.
+    pub every: usize,
     /// Write bonds and trusses as lines with their stretch.
     pub bonds: bool,
     pub pictures: bool,
@@ -238,6 +293,7 @@ impl Default for Output {
         use OutputField::{Displacement, Strain, Stress};
         Output {
             fields: vec![Displacement, Stress, Strain],
+            every: 1,
             bonds: false,
             pictures: true,
         }

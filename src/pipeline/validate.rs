@@ -3,6 +3,10 @@
 use super::plan::{Plan, Probe};
 use super::source::{InputError, choices};
 use crate::boundary::{Boundary, BoundaryError};
+use crate::cracks::Cracks;
+use crate::fracture::failure::CriticalStretch;
+use crate::fracture::state::Limits;
+use crate::geometry::Outline;
 use crate::mesh::Mesh;
 use crate::model::{Model, ModelError, Region};
 use crate::support::{self, NotHeld};
@@ -14,7 +18,9 @@ use crate::support::{self, NotHeld};
 pub fn discretise(plan: &Plan, mesh: Mesh) -> Result<(Model, Boundary), InputError> {
     let regions = regions(plan, &mesh)?;
     check_groups(plan, &mesh)?;
+    let cracks = cracks(plan, &mesh)?;
     let model = Model::build(mesh, regions, plan.model).map_err(|e| model_error(plan, &e))?;
+    let model = model.with_cracks(&cracks);
     let mut boundary = Boundary::new(&model);
     for (index, condition) in plan.conditions.iter().enumerate() {
         apply(&mut boundary, &model, condition).map_err(|e| boundary_error(plan, index, &e))?;
@@ -148,6 +154,67 @@ fn check_groups(plan: &Plan, mesh: &Mesh) -> Result<(), InputError> {
         }
     }
     Ok(())
+}
+
+fn cracks(plan: &Plan, mesh: &Mesh) -> Result<Cracks, InputError> {
+    let mut edges = Vec::new();
+    for (index, name) in plan.cracks.iter().enumerate() {
+        let Some(curve) = mesh.curves.get(name) else {
+            let file = plan.geometry.file.display();
+            let message = format!("there is no physical curve `{name}` in {file}");
+            let help = choices(name, mesh.curves.keys().map(String::as_str));
+            return Err(plan.source.error(&format!("cracks/{index}"), message, Some(help)));
+        };
+        edges.extend_from_slice(curve);
+    }
+    Ok(Cracks::new(mesh, &edges))
+}
+
+/// The critical stretch of every bond and truss. Bonds with an end in a `no_fail` surface never
+/// break, nor do trusses unless the pipeline says so.
+///
+/// # Errors
+/// An unknown surface.
+pub fn limits(plan: &Plan, model: &Model) -> Result<Limits, InputError> {
+    let unbreakable = unbreakable_points(plan, model)?;
+    let mut table = vec![CriticalStretch::UNBREAKABLE];
+    let mut class_of = vec![0; model.regions.len()];
+    for points in &model.points {
+        let planned = &plan.regions[points.region];
+        if let Some(strength) = planned.strength {
+            class_of[points.region] = table.len() as u8;
+            let young = planned.material.young;
+            table.push(CriticalStretch::new(strength, young, &points.micromodulus));
+        }
+    }
+    let class = |(spring, &[a, b]): (usize, &[u32; 2])| {
+        let is_truss = spring >= model.bond_count;
+        let held = unbreakable[a as usize] || unbreakable[b as usize];
+        if held || (is_truss && !plan.trusses_break) {
+            return 0;
+        }
+        // A truss runs from an element node to a point: the point's material decides.
+        model.region_of_point(b as usize).map_or(0, |region| class_of[region])
+    };
+    let class = model.springs.ends.iter().enumerate().map(class).collect();
+    Ok(Limits { table, class })
+}
+
+fn unbreakable_points(plan: &Plan, model: &Model) -> Result<Vec<bool>, InputError> {
+    let mut unbreakable = vec![false; model.node_count()];
+    for (index, name) in plan.no_fail.iter().enumerate() {
+        let Some(cells) = model.mesh.surfaces.get(name) else {
+            let file = plan.geometry.file.display();
+            let message = format!("there is no physical surface `{name}` in {file}");
+            let help = choices(name, model.mesh.surfaces.keys().map(String::as_str));
+            return Err(plan.source.error(&format!("no_fail/{index}"), message, Some(help)));
+        };
+        let outline = Outline::of_cells(&model.mesh, cells);
+        for node in model.fe_node_count()..model.node_count() {
+            unbreakable[node] |= outline.contains(model.positions[node]);
+        }
+    }
+    Ok(unbreakable)
 }
 
 fn model_error(plan: &Plan, error: &ModelError) -> InputError {

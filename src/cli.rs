@@ -2,6 +2,7 @@
 //! Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.
 
 use crate::pipeline::folder;
+use crate::pipeline::fracture;
 use crate::pipeline::plan::Plan;
 use crate::pipeline::run::{self, Observer, Options, RunError, Standing};
 use crate::pipeline::source::InputError;
@@ -307,6 +308,7 @@ fn print_summary(plan: &Plan, summary: &Value) {
     for probe in list("probes") {
         print_probe(&probe);
     }
+    print_fracture(summary);
     for (group, reaction) in summary["reactions_n"].as_object().into_iter().flatten() {
         let number = |axis: usize| reaction[axis].as_f64().unwrap_or(0.0);
         println!(
@@ -314,6 +316,9 @@ fn print_summary(plan: &Plan, summary: &Value) {
             number(0),
             number(1)
         );
+    }
+    if !summary["fracture"].is_null() {
+        println!("  {folder}/{}  (a line per step)", fracture::HISTORY_FILE);
     }
     for file in list("files")
         .iter()
@@ -327,6 +332,43 @@ fn print_summary(plan: &Plan, summary: &Value) {
         };
         println!("  {folder}/{file}  ({what})");
     }
+}
+
+/// Onset, peak and end of a fracture run, each with what the pipeline gives as its reference.
+fn print_fracture(summary: &Value) {
+    let fracture = &summary["fracture"];
+    if fracture.is_null() {
+        return;
+    }
+    let event = |title: &str, event: &Value, reference: &Value| {
+        let reference = reference
+            .as_u64()
+            .map(|step| format!(" (reference: step {step})"));
+        let Some(step) = event["step"].as_u64() else {
+            println!("  {title}: never{}", reference.unwrap_or_default());
+            return;
+        };
+        println!(
+            "  {title}: step {step}{}, at {:.4e} m and {:.4e} N",
+            reference.unwrap_or_default(),
+            event["grip_displacement_m"].as_f64().unwrap_or(f64::NAN),
+            event["reaction_n"].as_f64().unwrap_or(f64::NAN)
+        );
+    };
+    let reference = &fracture["reference"];
+    event(
+        "first bond broken",
+        &fracture["first_break"],
+        &reference["first_break"],
+    );
+    event("peak reaction", &fracture["peak"], &Value::Null);
+    let ending = summary["outcome"].as_str().unwrap_or("ended");
+    event(ending, &fracture["end"], &reference["separated"]);
+    println!(
+        "  bonds broken: {}; crack length: {:.4e} m",
+        fracture["bonds_broken"],
+        fracture["crack_length_m"].as_f64().unwrap_or(f64::NAN)
+    );
 }
 
 fn print_probe(probe: &Value) {

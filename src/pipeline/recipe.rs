@@ -28,7 +28,10 @@ pub(super) fn recipe(
         "no_fail",
         "coupling",
         "boundary",
-        "loading",
+        "loading.control",
+        "loading.steps",
+        "loading.until",
+        "loading.most_passes",
         "output.every",
     ];
     let (settings, inputs) = match stage {
@@ -45,7 +48,10 @@ pub(super) fn recipe(
         Stage::Output => {
             let mut settings = settings(&plan.spec, &physics);
             settings.retain(|key, _| !key.starts_with("geometry.") || key == "geometry.unit");
-            settings.extend(self::settings(&plan.spec, &["name", "probes", "output"]));
+            settings.extend(self::settings(
+                &plan.spec,
+                &["name", "probes", "loading.reference", "output"],
+            ));
             (settings, [kept(MESH_FILE), kept(SOLUTION_FILE)].into())
         }
     };

@@ -236,6 +236,25 @@ pub struct Loading {
     /// Under `control: equilibrium`, passes at one load.
     #[serde(default = "most_passes")]
     pub most_passes: usize,
+    /// What others found, to be shown beside the result.
+    #[serde(default, skip_serializing_if = "ReferenceSteps::is_empty")]
+    pub reference: ReferenceSteps,
+}
+
+/// Steps that another source reports.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReferenceSteps {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_break: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub separated: Option<usize>,
+}
+
+impl ReferenceSteps {
+    fn is_empty(&self) -> bool {
+        self.first_break.is_none() && self.separated.is_none()
+    }
 }
 
 fn most_passes() -> usize {

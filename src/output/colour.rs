@@ -7,6 +7,10 @@ pub const WHITE: Rgb = [255, 255, 255];
 pub const INK: Rgb = [38, 40, 44];
 /// Sides of cells.
 pub const CELL_EDGE: Rgb = [112, 120, 130];
+/// Lines across a chart at its ticks.
+pub const GRID: Rgb = [217, 221, 226];
+/// The line across a chart at zero.
+pub const ZERO: Rgb = [150, 156, 164];
 /// Interfaces and cracks.
 pub const INTERFACE: Rgb = [200, 30, 45];
 
@@ -38,6 +42,23 @@ pub fn cell_fill(index: usize) -> Rgb {
 /// Colour of the `index`-th region that consists of material points.
 pub fn point_fill(index: usize) -> Rgb {
     POINT_FILLS[index % POINT_FILLS.len()]
+}
+
+/// Curves of a chart, apart for colour-blind readers too: Okabe and Ito's colours but yellow, which
+/// is too pale for a line.
+const CURVES: [Rgb; 7] = [
+    [0, 114, 178],
+    [213, 94, 0],
+    [0, 158, 115],
+    [204, 121, 167],
+    [86, 180, 233],
+    [230, 159, 0],
+    [0, 0, 0],
+];
+
+/// Colour of the `index`-th curve of a chart.
+pub fn curve(index: usize) -> Rgb {
+    CURVES[index % CURVES.len()]
 }
 
 /// `colour` over white, covering the share `opacity`.

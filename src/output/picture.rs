@@ -1,13 +1,16 @@
-//! Pictures of a mesh and of a field on it, as PNG.
+//! Pictures of a mesh, of a field on it and of a run's course, as PNG.
 //!
 //! [`mesh::MeshPicture`] shows the regions with their cells, material points and interfaces;
 //! [`field::FieldPicture`] a scalar over both. They take polygons and squares in metres and know
 //! nothing of elements: [`outline`], [`edge_path`] and [`facets`] make polygons of cells.
+//! [`chart::Chart`] shows numbers over one another.
 
+pub mod chart;
 pub mod field;
 pub mod mesh;
 
 mod frame;
+mod labels;
 mod legend;
 mod raster;
 mod text;
@@ -20,6 +23,7 @@ use frame::{Frame, Page};
 use raster::Raster;
 use std::path::Path;
 
+pub use chart::{Axis, Chart, Curve, Mark};
 pub use field::{Facet, FieldPicture, Square};
 pub use frame::PageError;
 pub use mesh::{Dot, Filling, MeshPicture, Patch, Region};
@@ -57,7 +61,7 @@ impl Picture {
         [0, 1, 2].map(|channel| self.rgb[start + channel])
     }
 
-    /// The colour at a position of the body [m].
+    /// The colour at a position of the body [m], or at a point of a chart [SI].
     pub fn colour_at(&self, position: [f64; 2]) -> Rgb {
         let [x, y] = self.frame.to_page(position);
         self.pixel(x as u32, y as u32)

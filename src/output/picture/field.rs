@@ -101,7 +101,7 @@ impl FieldPicture {
             value,
         } in &self.squares
         {
-            let corners = square(frame.to_plot(*centre), side * frame.scale + OVERLAP);
+            let corners = square(frame.to_plot(*centre), side * frame.scale[0] + OVERLAP);
             plot.fill(&corners, scale.colour(*value));
         }
         for line in &self.lines {

@@ -60,18 +60,31 @@ impl Bounds {
     }
 }
 
-/// Where the body lies on the page; x to the right, y up, the same scale on both.
+/// What an axis measures, and the unit of its numbers.
+#[derive(Clone, Debug)]
+pub(super) struct Quantity {
+    pub name: String,
+    pub unit: Unit,
+}
+
+impl Quantity {
+    fn label(&self) -> String {
+        self.unit.label(&self.name)
+    }
+}
+
+/// Where the content lies on the page; x to the right, y up. A body has the same scale on both.
 #[derive(Clone, Debug)]
 pub(super) struct Frame {
     /// Width and height of the page [pixels].
     pub page: [i32; 2],
     /// Left, top, right, bottom of the plot [pixels].
     pub plot: [i32; 4],
-    /// The position in the plot's lower left corner [m].
+    /// The position in the plot's lower left corner [m, or a chart's SI units].
     origin: [f64; 2],
-    /// Pixels per metre.
-    pub scale: f64,
-    unit: Unit,
+    /// Pixels per metre, or per SI unit of a chart's axes.
+    pub scale: [f64; 2],
+    pub axes: [Quantity; 2],
 }
 
 /// Room for texts around the plot [pixels].
@@ -113,9 +126,34 @@ impl Frame {
                 middle(0) - width / 2.0 / scale,
                 middle(1) - height / 2.0 / scale,
             ],
-            scale,
-            unit: Unit::of_length(larger),
+            scale: [scale; 2],
+            axes: ["x", "y"].map(|name| Quantity {
+                name: name.to_owned(),
+                unit: Unit::of_length(larger),
+            }),
         }
+    }
+
+    /// Stretches `bounds`, in SI units of the `axes`, over a page of full width and `height`
+    /// [pixels], whatever the room across.
+    pub fn stretched(bounds: Bounds, axes: [Quantity; 2], height: i32, room: Room) -> Frame {
+        let size = bounds.size();
+        let spanning = |left: i32| {
+            let page = [WIDTH, height];
+            let [right, bottom] = [page[0] - room.right, page[1] - room.below - axis_height()];
+            Frame {
+                page,
+                plot: [left, room.above, right, bottom],
+                origin: bounds.min,
+                scale: [
+                    f64::from(right - left) / size[0],
+                    f64::from(bottom - room.above) / size[1],
+                ],
+                axes: axes.clone(),
+            }
+        };
+        // The numbers along y depend on the height alone.
+        spanning(spanning(USUAL_LEFT_ROOM).left_room())
     }
 
     fn left_room(&self) -> i32 {
@@ -133,8 +171,8 @@ impl Frame {
     pub fn to_page(&self, position: [f64; 2]) -> [f64; 2] {
         let [left, _, _, bottom] = self.plot.map(f64::from);
         [
-            left + (position[0] - self.origin[0]) * self.scale,
-            bottom - (position[1] - self.origin[1]) * self.scale,
+            left + (position[0] - self.origin[0]) * self.scale[0],
+            bottom - (position[1] - self.origin[1]) * self.scale[1],
         ]
     }
 
@@ -157,14 +195,14 @@ impl Frame {
         Raster::new(self.plot_width() as usize, self.plot_height() as usize)
     }
 
-    /// Ticks along x (0) or y (1), in the frame's unit.
-    fn ticks(&self, axis: usize) -> Ticks {
+    /// Ticks along x (0) or y (1), in the axis's unit.
+    pub fn ticks(&self, axis: usize) -> Ticks {
         let (pixels, apart) = match axis {
             0 => (self.plot_width(), 140),
             _ => (self.plot_height(), 60),
         };
         let [min, max] = [0.0, f64::from(pixels)]
-            .map(|p| (self.origin[axis] + p / self.scale) * self.unit.per_si);
+            .map(|p| (self.origin[axis] + p / self.scale[axis]) * self.axes[axis].unit.per_si);
         Ticks::within(min, max, (pixels / apart).min(MOST_TICKS) as usize)
     }
 }
@@ -203,28 +241,28 @@ impl<'a> Page<'a> {
     pub fn draw_axes(&self, frame: &Frame) -> Result<(), PictureError> {
         let [left, top, right, bottom] = frame.plot;
         self.draw_box([left - 1, top - 1, right, bottom], INK)?;
-        let per_si = frame.unit.per_si;
+        let [x_per_si, y_per_si] = frame.axes.each_ref().map(|axis| axis.unit.per_si);
         let ticks = frame.ticks(0);
         for value in ticks.values() {
-            let x = frame.to_page([value / per_si, 0.0])[0].round() as i32;
+            let x = frame.to_page([value / x_per_si, 0.0])[0].round() as i32;
             self.draw_line([x, bottom], [x, bottom + TICK])?;
             let below = [x, bottom + TICK + GAP / 2 + TEXT_SIZE / 2];
             self.draw_text(&ticks.label(value), below, Anchor::Middle)?;
         }
         let ticks = frame.ticks(1);
         for value in ticks.values() {
-            let y = frame.to_page([0.0, value / per_si])[1].round() as i32;
+            let y = frame.to_page([0.0, value / y_per_si])[1].round() as i32;
             self.draw_line([left - TICK, y], [left, y])?;
             let beside = [left - TICK - GAP / 2, y];
             self.draw_text(&ticks.label(value), beside, Anchor::Right)?;
         }
         let below = bottom + axis_height() - GAP - TEXT_SIZE / 2;
         self.draw_text(
-            &frame.unit.label("x"),
+            &frame.axes[0].label(),
             [(left + right) / 2, below],
             Anchor::Middle,
         )?;
-        let title = Writing::plain(&frame.unit.label("y"), TEXT_SIZE);
+        let title = Writing::plain(&frame.axes[1].label(), TEXT_SIZE);
         let beside = [GAP + TEXT_SIZE / 2, (top + bottom) / 2];
         self.draw_writing(&title, beside, Anchor::Middle, true)
     }
@@ -316,6 +354,18 @@ fn rgb([r, g, b]: Rgb) -> RGBColor {
 /// Width of a text of [`TEXT_SIZE`] [pixels].
 pub(super) fn text_width(text: &str) -> i32 {
     Writing::plain(text, TEXT_SIZE).width.ceil() as i32
+}
+
+/// `text`, or as much of it as fits in `width` [pixels] with an ellipsis for the rest, if `measure`
+/// is its width.
+pub(super) fn shortened(text: &str, width: i32, measure: impl Fn(&str) -> i32) -> String {
+    if measure(text) <= width {
+        return text.to_owned();
+    }
+    let ends = text.char_indices().rev();
+    let cut = ends.map(|(end, _)| format!("{}…", text[..end].trim_end()));
+    let mut fitting = cut.skip_while(|cut| measure(cut) > width);
+    fitting.next().unwrap_or_default()
 }
 
 /// Width of a picture's title [pixels].

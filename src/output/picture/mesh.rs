@@ -159,7 +159,7 @@ impl MeshPicture {
         let colours = self.colours();
         for dot in &self.points {
             let colour = colours[dot.region];
-            let spacing = dot.side * frame.scale;
+            let spacing = dot.side * frame.scale[0];
             let centre = frame.to_plot(dot.centre);
             if spacing < SMALLEST_DOT_SPACING {
                 plot.fill(&square(centre, spacing), tint(colour, DENSE_TINT));

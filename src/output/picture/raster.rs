@@ -5,6 +5,7 @@
 //! come out smooth when the samples of a pixel are averaged.
 
 use crate::output::colour::{Rgb, WHITE};
+use std::f64::consts::TAU;
 
 /// Samples per pixel and direction.
 const SAMPLES: usize = 3;
@@ -12,6 +13,9 @@ const SAMPLES: usize = 3;
 /// Vertices are rounded to this share of a sample, so that a vertex computed in two ways, once by
 /// each neighbour, is one vertex.
 const GRID: f64 = 1.0 / 256.0;
+
+/// Corners of the polygon that is drawn for a circle.
+const DISC_CORNERS: usize = 32;
 
 /// A picture under construction. Positions are in pixels, y downwards.
 pub(super) struct Raster {
@@ -79,6 +83,43 @@ impl Raster {
                 colour,
             );
         }
+    }
+
+    /// Draws a polyline of the given width [pixels] where it is, with round joints and ends: for
+    /// curves, whose pieces may be shorter than a pixel. A single point becomes a dot.
+    pub fn trace(&mut self, path: &[[f64; 2]], width: f64, colour: Rgb) {
+        for &corner in path {
+            self.fill_disc(corner, width / 2.0, colour);
+        }
+        for pair in path.windows(2) {
+            let [[x0, y0], [x1, y1]] = [pair[0], pair[1]];
+            let length = (x1 - x0).hypot(y1 - y0);
+            if length == 0.0 {
+                continue;
+            }
+            let [tx, ty] = [x1 - x0, y1 - y0].map(|d| d / length * width / 2.0);
+            self.fill(
+                &[
+                    [x0 - ty, y0 + tx],
+                    [x1 - ty, y1 + tx],
+                    [x1 + ty, y1 - tx],
+                    [x0 + ty, y0 - tx],
+                ],
+                colour,
+            );
+        }
+    }
+
+    /// Fills a circle [pixels].
+    pub fn fill_disc(&mut self, centre: [f64; 2], radius: f64, colour: Rgb) {
+        let angle = |corner: usize| corner as f64 / DISC_CORNERS as f64 * TAU;
+        let rim = (0..DISC_CORNERS).map(angle).map(|angle| {
+            [
+                centre[0] + radius * angle.cos(),
+                centre[1] + radius * angle.sin(),
+            ]
+        });
+        self.fill(&rim.collect::<Vec<_>>(), colour);
     }
 
     /// Colours every sample whose centre lies in the polygon with corners on the grid; `colour`
@@ -218,5 +259,37 @@ mod tests {
         raster.stroke(&[[-2.0, 2.5], [7.0, 2.5]], 1.0, BLACK);
         let column: Vec<Rgb> = raster.pixels().into_iter().skip(2).step_by(5).collect();
         assert_eq!(column, [WHITE, WHITE, BLACK, WHITE, WHITE]);
+    }
+
+    /// Ink in shares of a pixel.
+    fn ink(raster: &Raster) -> f64 {
+        let darkness = |pixel: Rgb| f64::from(255 - pixel[0]) / 255.0;
+        raster.pixels().into_iter().map(darkness).sum()
+    }
+
+    #[test]
+    fn a_disc_has_its_area() {
+        let mut raster = Raster::new(30, 30);
+        raster.fill_disc([15.2, 14.9], 9.0, BLACK);
+        let area = std::f64::consts::PI * 81.0;
+        assert!((ink(&raster) / area - 1.0).abs() < 0.01);
+    }
+
+    /// However many points lie on a line, and whatever its direction, it has its width.
+    #[test]
+    fn a_trace_has_its_width_whatever_its_pieces() {
+        for (end, pieces) in [([90.0, 40.0], 1), ([90.0, 40.0], 900), ([10.3, 90.0], 77)] {
+            let start = [10.3, 10.4];
+            let path: Vec<[f64; 2]> = (0..=pieces)
+                .map(|piece| f64::from(piece) / f64::from(pieces))
+                .map(|t| [0, 1].map(|k| start[k] + t * (end[k] - start[k])))
+                .collect();
+            let mut raster = Raster::new(100, 100);
+            raster.trace(&path, 3.0, BLACK);
+            let length = (end[0] - start[0]).hypot(end[1] - start[1]);
+            let area = 3.0 * length + std::f64::consts::PI * 1.5 * 1.5;
+            let found = ink(&raster);
+            assert!((found / area - 1.0).abs() < 0.02, "{found} for {area}");
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::fracture::{Frame, Line, read_frame};
 use super::plan::{Plan, Probe};
-use super::run::{RunError, Solved};
+use super::run::{Course, RunError, Solved};
 use super::spec::OutputField;
 use crate::boundary::Boundary;
 use crate::fem::element::MappedPoint;
@@ -11,7 +11,8 @@ use crate::fracture::state;
 use crate::model::{Method, Model};
 use crate::output::field::{Field, FieldName};
 use crate::output::picture::{
-    self, Dot, FieldPicture, Filling, MeshPicture, Patch, PictureError, Square,
+    self, Axis, Chart, Curve, Dot, FieldPicture, Filling, Mark, MeshPicture, Patch, PictureError,
+    Square,
 };
 use crate::output::pvd::{self, PvdError};
 use crate::output::vtu::{Part, PartCell, VtuError};
@@ -252,7 +253,57 @@ impl Outcome<'_> {
                 .write(&folder.join("damage.png"))?;
             files.push("damage.png".to_owned());
         }
+        if let Some(course) = &self.solved.fracture {
+            self.load_displacement(course)
+                .draw()?
+                .write(&folder.join("load_displacement.png"))?;
+            files.push("load_displacement.png".to_owned());
+        }
         Ok(files)
+    }
+
+    /// Reaction over grip displacement; over the load factor where nothing is displaced.
+    fn load_displacement(&self, course: &Course) -> Chart {
+        let grips_move = course
+            .history
+            .iter()
+            .any(|line| line.grip_displacement > 0.0);
+        let at = |line: &Line| {
+            let x = if grips_move {
+                line.grip_displacement
+            } else {
+                line.load_factor
+            };
+            [x, line.reaction]
+        };
+        let first = course.history.iter().find(|line| line.bonds_broken > 0);
+        let first = first.map(|line| (line, "first bond".to_owned()));
+        let last = course.history.last();
+        let last = last.map(|line| (line, course.ending.describe().to_owned()));
+        let mark = |(line, what): (&Line, String)| Mark {
+            at: at(line),
+            label: format!("{what}, step {}", line.step),
+        };
+        let (name, unit) = if grips_move {
+            ("grip displacement", "m")
+        } else {
+            ("load factor", "")
+        };
+        let axis = |name: &str, unit: &str| Axis {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+        };
+        let start = std::iter::once([0.0, 0.0]);
+        Chart {
+            title: format!("{}: reaction over {name}", self.plan.name),
+            x: axis(name, unit),
+            y: axis("reaction", "N"),
+            curves: vec![Curve {
+                name: "reaction".to_owned(),
+                points: start.chain(course.history.iter().map(at)).collect(),
+                marks: first.into_iter().chain(last).map(mark).collect(),
+            }],
+        }
     }
 
     /// Damage of the last state.

@@ -39,8 +39,6 @@ pub struct NotHeld {
     /// Whether the part is all there is.
     pub whole: bool,
     pub free: Vec<RigidMotion>,
-    /// Whether anything is prescribed on the part.
-    pub touched: bool,
 }
 
 fn names(regions: &[String], whole: bool) -> String {
@@ -57,7 +55,10 @@ fn names(regions: &[String], whole: bool) -> String {
 
 fn motions(free: &[RigidMotion]) -> String {
     let list: Vec<String> = free.iter().map(ToString::to_string).collect();
-    list.join(" and ")
+    match list.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        _ => list.concat(),
+    }
 }
 
 /// Motions whose square is below this, against the best held one, count as free: constraint rows are
@@ -76,13 +77,12 @@ pub fn check(model: &Model, boundary: &Boundary) -> Result<(), NotHeld> {
     }
     let whole = parts.len() == 1;
     for nodes in parts.values() {
-        let (free, touched) = free_motions(model, boundary, nodes);
+        let free = free_motions(model, boundary, nodes);
         if !free.is_empty() {
             return Err(NotHeld {
                 regions: region_names(model, nodes),
                 whole,
                 free,
-                touched,
             });
         }
     }
@@ -131,8 +131,8 @@ fn region_names(model: &Model, nodes: &[usize]) -> Vec<String> {
 }
 
 /// The rigid motions (a_x, a_y, ω R) about the part's centroid that no prescribed dof sees, R being
-/// the part's size, and whether anything is prescribed there.
-fn free_motions(model: &Model, boundary: &Boundary, nodes: &[usize]) -> (Vec<RigidMotion>, bool) {
+/// the part's size.
+fn free_motions(model: &Model, boundary: &Boundary, nodes: &[usize]) -> Vec<RigidMotion> {
     let count = nodes.len() as f64;
     let centre =
         [0, 1].map(|axis| nodes.iter().map(|&n| model.positions[n][axis]).sum::<f64>() / count);
@@ -151,14 +151,8 @@ fn free_motions(model: &Model, boundary: &Boundary, nodes: &[usize]) -> (Vec<Rig
             }
         }
     }
-    let touched = held.trace() > 0.0;
-    (
-        null_space(held)
-            .into_iter()
-            .map(|m| describe(m, centre, size))
-            .collect(),
-        touched,
-    )
+    let free = null_space(held).into_iter();
+    free.map(|motion| describe(motion, centre, size)).collect()
 }
 
 /// Unit vectors that span the null space, translations apart from rotations where they can be.

@@ -5,6 +5,7 @@ use super::spec::OutputField;
 use crate::boundary::Boundary;
 use crate::fem::element::MappedPoint;
 use crate::fields::{NodalFields, stretches};
+use crate::geometry::{chords, chords_of};
 use crate::model::{Method, Model};
 use crate::output::field::{Field, FieldName};
 use crate::output::picture::{
@@ -243,9 +244,7 @@ impl Outcome<'_> {
             regions: model.regions.iter().enumerate().map(region).collect(),
             cells: model.elements.iter().map(patch).collect(),
             points: self.dots(),
-            interfaces: edges
-                .map(|e| picture::edge_path(e, |n| model.mesh.nodes[n]))
-                .collect(),
+            interfaces: edges.map(|e| chords(e, &model.mesh.nodes)).collect(),
             cracks: Vec::new(),
         }
     }
@@ -313,7 +312,7 @@ impl Outcome<'_> {
             deformation_scale: exaggeration,
             facets,
             squares: squares.collect(),
-            lines: edges.map(|edge| picture::edge_path(edge, line)).collect(),
+            lines: edges.map(|edge| chords_of(edge, line)).collect(),
         }
     }
 

@@ -199,3 +199,23 @@ fn describe(motion: Vector3<f64>, centre: [f64; 2], size: f64) -> RigidMotion {
         RigidMotion::Move([ax, ay])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn motions_are_listed_with_one_and() {
+        let all = [
+            RigidMotion::MoveX,
+            RigidMotion::MoveY,
+            RigidMotion::Turn([0.0, 0.5]),
+        ];
+        assert_eq!(motions(&all[..1]), "move in x");
+        assert_eq!(motions(&all[..2]), "move in x and move in y");
+        assert_eq!(
+            motions(&all),
+            "move in x, move in y and turn about (0, 0.5) m"
+        );
+    }
+}

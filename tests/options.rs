@@ -431,3 +431,24 @@ fn a_physical_point_in_a_lattice() {
         assert!(force("tip") > 0.0 && (force("clamp") / force("tip") + 1.0).abs() < 1e-9);
     }
 }
+
+#[test]
+fn groups_without_a_name_go_by_their_number() {
+    let place = Workplace::new();
+    place.run(&[]);
+    let named = tip(&place);
+    place.edit(
+        "geo/bar.geo",
+        "Physical Curve(\"load\")",
+        "Physical Curve(77)",
+    );
+    place.edit(
+        "geo/bar.geo",
+        "Physical Surface(\"left\")",
+        "Physical Surface(78)",
+    );
+    place.edit("bar.yaml", "group: load", "group: 77");
+    place.edit("bar.yaml", "[left, right]", "[78, right]");
+    place.run(&[]);
+    assert_eq!(tip(&place), named);
+}

@@ -309,14 +309,7 @@ fn print_summary(plan: &Plan, summary: &Value) {
         print_probe(&probe);
     }
     print_fracture(summary);
-    for (group, reaction) in summary["reactions_n"].as_object().into_iter().flatten() {
-        let number = |axis: usize| reaction[axis].as_f64().unwrap_or(0.0);
-        println!(
-            "  reaction on {group}: ({:.6e}, {:.6e}) N",
-            number(0),
-            number(1)
-        );
-    }
+    print_reactions(&summary["reactions_n"]);
     if !summary["fracture"].is_null() {
         println!("  {folder}/{}  (a line per step)", fracture::HISTORY_FILE);
     }
@@ -371,6 +364,33 @@ fn print_fracture(summary: &Value) {
     );
 }
 
+/// Components below this share of the largest are what rounding leaves of zero.
+const ROUNDING: f64 = 1e-9;
+
+fn print_reactions(reactions: &Value) {
+    let groups = || reactions.as_object().into_iter().flatten();
+    let number = |reaction: &Value, axis: usize| reaction[axis].as_f64().unwrap_or(0.0);
+    let largest = groups()
+        .flat_map(|(_, reaction)| [0, 1].map(|axis| number(reaction, axis).abs()))
+        .fold(0.0, f64::max);
+    for (group, reaction) in groups() {
+        let [x, y] = [0, 1].map(|axis| match number(reaction, axis) {
+            force if force.abs() > ROUNDING * largest => format!("{force:.6e}"),
+            _ => "0".to_owned(),
+        });
+        println!("  reaction on {group}: ({x}, {y}) N");
+    }
+}
+
+/// A relative error in percent, signed unless it rounds to zero.
+fn percent(error: f64) -> String {
+    let text = format!("{:+.2}", 100.0 * error);
+    match text.as_str() {
+        "+0.00" | "-0.00" => "0.00 %".to_owned(),
+        _ => text + " %",
+    }
+}
+
 fn print_probe(probe: &Value) {
     let text = |key: &str| probe[key].as_str().unwrap_or("");
     let number = |key: &str| probe[key].as_f64();
@@ -382,8 +402,8 @@ fn print_probe(probe: &Value) {
     );
     if let (Some(reference), Some(error)) = (number("reference_m"), number("error")) {
         line.push_str(&format!(
-            "  ({:+.2} % of the reference {reference:.4e} m)",
-            100.0 * error
+            "  ({} of the reference {reference:.4e} m)",
+            percent(error)
         ));
     }
     println!("{line}");
@@ -443,5 +463,19 @@ impl Observer for Progress {
 
     fn warns(&mut self, text: &str) {
         self.line(&format!("warning: {text}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zero_percent_has_no_sign() {
+        let percents = [-2.21e-2, 4e-3, 4e-5, -4e-16, 0.0].map(percent);
+        assert_eq!(
+            percents,
+            ["-2.21 %", "+0.40 %", "0.00 %", "0.00 %", "0.00 %"]
+        );
     }
 }

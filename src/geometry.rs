@@ -101,8 +101,13 @@ fn chord_count(edge: &Edge) -> usize {
 
 /// The points that cut an edge into chords, both ends included [m].
 pub fn chords(edge: &Edge, nodes: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let [a, b] = edge.ends.map(|end| nodes[end]);
-    let Some(middle) = edge.middle.map(|m| nodes[m]) else {
+    chords_of(edge, |node| nodes[node])
+}
+
+/// The same where `position` tells where the nodes are [m], displaced for instance.
+pub fn chords_of(edge: &Edge, position: impl Fn(usize) -> [f64; 2]) -> Vec<[f64; 2]> {
+    let [a, b] = edge.ends.map(&position);
+    let Some(middle) = edge.middle.map(&position) else {
         return vec![a, b];
     };
     (0..=CHORDS)

@@ -188,10 +188,17 @@ impl Model {
         self.node_count() - self.areas.len()
     }
 
-    /// Lower left and upper right corner of the box around all nodes [m].
+    /// Lower left and upper right corner of the box around the body [m]: material points may lie
+    /// dx/2 within it.
     pub fn bounds(&self) -> [[f64; 2]; 2] {
+        let outlines = || {
+            self.points
+                .iter()
+                .flat_map(|p| p.outline.loops.iter().flatten())
+        };
+        let body = || self.positions.iter().chain(outlines());
         let extreme = |pick: fn(f64, f64) -> f64, from: f64| {
-            [0, 1].map(|axis| self.positions.iter().map(|x| x[axis]).fold(from, pick))
+            [0, 1].map(|axis| body().map(|x| x[axis]).fold(from, pick))
         };
         [
             extreme(f64::min, f64::INFINITY),

@@ -1,4 +1,4 @@
-//! What each phase of a run costs: wall time and the memory that it leaves in use.
+//! What a run costs: the wall time of each phase, and the most memory that the whole has held.
 
 use std::time::{Duration, Instant};
 

@@ -1,10 +1,12 @@
 //! A pipeline file to results: [`spec`] (YAML as written) → [`plan`] (checked) → [`stamp`] (what is
 //! stale) → [`run`].
 
+mod files;
 pub mod folder;
 pub mod fracture;
 pub mod plan;
 pub mod quantity;
+mod reader;
 mod recipe;
 pub mod results;
 pub mod run;

@@ -92,10 +92,10 @@ pub struct Estimate {
     pub time: Duration,
 }
 
-/// Flops per second of the factorisation, and entries of K per second of everything else: measured
-/// on two cores with AVX-512 (docs/performance.md). A rough guide elsewhere.
-const FACTOR_RATE: f64 = 3e10;
-const ENTRY_RATE: f64 = 4e6;
+/// Flops per second of the factorisation, and entries of K per second of everything else: fitted to
+/// lattices of 16 000 to 258 000 dofs on two cores with AVX-512. A rough guide elsewhere.
+const FACTOR_RATE: f64 = 2e10;
+const ENTRY_RATE: f64 = 3e6;
 
 impl Estimate {
     /// # Errors

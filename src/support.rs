@@ -39,8 +39,6 @@ pub struct NotHeld {
     /// Whether the part is all there is.
     pub whole: bool,
     pub free: Vec<RigidMotion>,
-    /// Whether anything is prescribed on the part.
-    pub touched: bool,
 }
 
 fn names(regions: &[String], whole: bool) -> String {
@@ -57,7 +55,10 @@ fn names(regions: &[String], whole: bool) -> String {
 
 fn motions(free: &[RigidMotion]) -> String {
     let list: Vec<String> = free.iter().map(ToString::to_string).collect();
-    list.join(" and ")
+    match list.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        _ => list.concat(),
+    }
 }
 
 /// Motions whose square is below this, against the best held one, count as free: constraint rows are
@@ -73,13 +74,12 @@ pub fn check(model: &Model, boundary: &Boundary) -> Result<(), NotHeld> {
     let parts = connected_parts(model, &uncracked);
     let whole = parts.len() == 1;
     for nodes in &parts {
-        let (free, touched) = free_motions(model, boundary, nodes);
+        let free = free_motions(model, boundary, nodes);
         if !free.is_empty() {
             return Err(NotHeld {
                 regions: region_names(model, nodes),
                 whole,
                 free,
-                touched,
             });
         }
     }
@@ -90,7 +90,7 @@ pub fn check(model: &Model, boundary: &Boundary) -> Result<(), NotHeld> {
 /// broken off.
 pub fn fragments(model: &Model, boundary: &Boundary, intact: &[bool]) -> Vec<Vec<usize>> {
     let mut parts = connected_parts(model, intact);
-    parts.retain(|nodes| !free_motions(model, boundary, nodes).0.is_empty());
+    parts.retain(|nodes| !free_motions(model, boundary, nodes).is_empty());
     parts
 }
 
@@ -143,8 +143,8 @@ fn region_names(model: &Model, nodes: &[usize]) -> Vec<String> {
 }
 
 /// The rigid motions (a_x, a_y, ω R) about the part's centroid that no prescribed dof sees, R being
-/// the part's size, and whether anything is prescribed there.
-fn free_motions(model: &Model, boundary: &Boundary, nodes: &[usize]) -> (Vec<RigidMotion>, bool) {
+/// the part's size.
+fn free_motions(model: &Model, boundary: &Boundary, nodes: &[usize]) -> Vec<RigidMotion> {
     let count = nodes.len() as f64;
     let centre =
         [0, 1].map(|axis| nodes.iter().map(|&n| model.positions[n][axis]).sum::<f64>() / count);
@@ -163,14 +163,8 @@ fn free_motions(model: &Model, boundary: &Boundary, nodes: &[usize]) -> (Vec<Rig
             }
         }
     }
-    let touched = held.trace() > 0.0;
-    (
-        null_space(held)
-            .into_iter()
-            .map(|m| describe(m, centre, size))
-            .collect(),
-        touched,
-    )
+    let free = null_space(held).into_iter();
+    free.map(|motion| describe(motion, centre, size)).collect()
 }
 
 /// Unit vectors that span the null space, translations apart from rotations where they can be.
@@ -215,5 +209,25 @@ fn describe(motion: Vector3<f64>, centre: [f64; 2], size: f64) -> RigidMotion {
         RigidMotion::MoveY
     } else {
         RigidMotion::Move([ax, ay])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn motions_are_listed_with_one_and() {
+        let all = [
+            RigidMotion::MoveX,
+            RigidMotion::MoveY,
+            RigidMotion::Turn([0.0, 0.5]),
+        ];
+        assert_eq!(motions(&all[..1]), "move in x");
+        assert_eq!(motions(&all[..2]), "move in x and move in y");
+        assert_eq!(
+            motions(&all),
+            "move in x, move in y and turn about (0, 0.5) m"
+        );
     }
 }

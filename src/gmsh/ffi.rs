@@ -1,4 +1,5 @@
-//! The C API of Gmsh, loaded at run time: the only unsafe code of the crate.
+//! The C API of Gmsh, loaded at run time. Apart from one call of METIS in [`crate::linear_solver`], the
+//! only unsafe code of the crate.
 //!
 //! One binary serves Gmsh 4.8 to 4.15. Of the functions used here only `gmshInitialize` differs:
 //! it gained an argument in the same release that brought the symbol `gmshIsInitialized`.

@@ -2,7 +2,7 @@
 //!
 //! [`mesh::MeshPicture`] shows the regions with their cells, material points and interfaces;
 //! [`field::FieldPicture`] a scalar over both. They take polygons and squares in metres and know
-//! nothing of elements: [`outline`], [`edge_path`] and [`facets`] make polygons of cells.
+//! nothing of elements: [`outline`] and [`facets`] make polygons of cells.
 //! [`chart::Chart`] shows numbers over one another.
 
 pub mod chart;
@@ -18,7 +18,8 @@ mod ticks;
 
 use super::colour::Rgb;
 use super::{WriteError, write_whole};
-use crate::mesh::{Cell, CellKind, Edge};
+use crate::geometry::chords_of;
+use crate::mesh::{Cell, CellKind};
 use frame::{Frame, Page};
 use raster::Raster;
 use std::path::Path;
@@ -88,34 +89,11 @@ impl Picture {
     }
 }
 
-/// Pieces in which a quadratic side is drawn.
-const CURVE_PIECES: usize = 6;
-
-/// The corners of a polyline along an edge whose nodes lie at `position` [m].
-pub fn edge_path(edge: &Edge, position: impl Fn(usize) -> [f64; 2]) -> Vec<[f64; 2]> {
-    let [a, b] = edge.ends.map(&position);
-    let Some(middle) = edge.middle else {
-        return vec![a, b];
-    };
-    let m = position(middle);
-    (0..=CURVE_PIECES)
-        .map(|piece| piece as f64 / CURVE_PIECES as f64)
-        .map(|t| {
-            [
-                (1.0 - t) * (1.0 - 2.0 * t),
-                4.0 * t * (1.0 - t),
-                t * (2.0 * t - 1.0),
-            ]
-        })
-        .map(|shape| [0, 1].map(|k| shape[0] * a[k] + shape[1] * m[k] + shape[2] * b[k]))
-        .collect()
-}
-
 /// The corners of a polygon along the sides of a cell whose nodes lie at `position` [m].
 pub fn outline(cell: &Cell, position: impl Fn(usize) -> [f64; 2]) -> Vec<[f64; 2]> {
     let mut corners = Vec::new();
     for edge in cell.edges() {
-        corners.extend(edge_path(&edge, &position));
+        corners.extend(chords_of(&edge, &position));
         corners.pop();
     }
     corners
@@ -229,9 +207,9 @@ mod tests {
             let nodes = nodes(kind);
             let cell = Cell::new(kind, &(0..nodes.len()).collect::<Vec<_>>());
             let straight = if kind.corner_count() == 3 { 0.5 } else { 1.0 };
-            // Below a parabola of height 1/4 lies 1/6; six chords cut off 1/36 of it.
+            // Below a parabola of height 1/4 lies 1/6; eight chords cut off 1/64 of it.
             let bent = if kind.is_quadratic() {
-                35.0 / 36.0 / 6.0
+                63.0 / 64.0 / 6.0
             } else {
                 0.0
             };

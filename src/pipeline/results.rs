@@ -8,6 +8,7 @@ use crate::boundary::Boundary;
 use crate::fem::element::MappedPoint;
 use crate::fields::{NodalFields, stretches};
 use crate::fracture::state;
+use crate::geometry::{chords, chords_of};
 use crate::model::{Method, Model};
 use crate::output::field::{Field, FieldName};
 use crate::output::picture::{
@@ -333,9 +334,7 @@ impl Outcome<'_> {
                     value,
                 })
                 .collect(),
-            lines: edges
-                .map(|edge| picture::edge_path(&edge, |n| model.mesh.nodes[n]))
-                .collect(),
+            lines: edges.map(|edge| chords(&edge, &model.mesh.nodes)).collect(),
         }
     }
 
@@ -367,9 +366,7 @@ impl Outcome<'_> {
             regions: model.regions.iter().enumerate().map(region).collect(),
             cells: model.elements.iter().map(patch).collect(),
             points: self.dots(),
-            interfaces: edges
-                .map(|e| picture::edge_path(e, |n| model.mesh.nodes[n]))
-                .collect(),
+            interfaces: edges.map(|e| chords(e, &model.mesh.nodes)).collect(),
             cracks: Vec::new(),
         }
     }
@@ -437,7 +434,7 @@ impl Outcome<'_> {
             deformation_scale: exaggeration,
             facets,
             squares: squares.collect(),
-            lines: edges.map(|edge| picture::edge_path(edge, line)).collect(),
+            lines: edges.map(|edge| chords_of(edge, line)).collect(),
         }
     }
 

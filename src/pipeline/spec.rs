@@ -206,6 +206,7 @@ impl<'de> Deserialize<'de> for Coupling {
 #[serde(deny_unknown_fields)]
 pub struct Boundary {
     /// A physical curve or point.
+    #[serde(deserialize_with = "name")]
     pub group: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Components>,
@@ -327,6 +328,35 @@ pub enum OutputField {
     Strain,
 }
 
+/// A physical group: one without a name goes by its number.
+struct Name(String);
+
+impl<'de> Deserialize<'de> for Name {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Name, D::Error> {
+        struct Visitor;
+        impl de::Visitor<'_> for Visitor {
+            type Value = Name;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a group's name")
+            }
+
+            fn visit_str<E: de::Error>(self, name: &str) -> Result<Name, E> {
+                Ok(Name(name.to_owned()))
+            }
+
+            fn visit_u64<E: de::Error>(self, tag: u64) -> Result<Name, E> {
+                Ok(Name(tag.to_string()))
+            }
+        }
+        deserializer.deserialize_any(Visitor)
+    }
+}
+
+fn name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+    Name::deserialize(deserializer).map(|Name(name)| name)
+}
+
 /// One name or a list of them.
 #[derive(Clone, Debug, Serialize)]
 #[serde(transparent)]
@@ -352,7 +382,7 @@ impl<'de> Deserialize<'de> for Names {
 
             fn visit_seq<A: de::SeqAccess<'de>>(self, mut list: A) -> Result<Names, A::Error> {
                 let mut names = Vec::new();
-                while let Some(name) = list.next_element()? {
+                while let Some(Name(name)) = list.next_element()? {
                     names.push(name);
                 }
                 if names.is_empty() {

@@ -268,8 +268,10 @@ fn model_error(plan: &Plan, error: &ModelError) -> InputError {
 fn boundary_error(plan: &Plan, index: usize, error: &BoundaryError) -> InputError {
     let help = match error {
         BoundaryError::NothingThere { .. } => {
-            "is its surface part of a region? A curve acts on element nodes on it, and on material \
-             points within half a spacing of it"
+            "is its surface part of a region? A curve acts on the element nodes on it and, where it \
+             bounds a peridynamic region, on the material points within half a spacing; inside such \
+             a region it acts on nothing. A point acts on the node at it, or on a material point \
+             within 0.71 spacings"
         }
         BoundaryError::NoOutline { .. } => {
             "loads act on curves that bound the body; this one lies inside it or off it"

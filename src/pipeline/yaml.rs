@@ -118,7 +118,8 @@ fn overridden(document: &Yaml, overrides: &[(String, String)]) -> Result<Parsed,
     Ok(serde_yaml::from_value(document))
 }
 
-/// Puts `value` at `key`; list entries on the way must exist, keys need not.
+/// Puts `value` at `key`; list entries on the way must exist, keys need not. A word on the way that is
+/// the next step stands for the map with this key alone.
 fn override_value(document: &mut Yaml, key: &str, value: &str) -> Result<(), String> {
     let mut place = document;
     let mut way = String::new();
@@ -136,9 +137,10 @@ fn override_value(document: &mut Yaml, key: &str, value: &str) -> Result<(), Str
                 &mut list[index]
             }
             Yaml::Mapping(mapping) => mapping.entry(step.into()).or_insert(Yaml::Null),
-            Yaml::Null => {
-                *place = Yaml::Mapping(Default::default());
-                let mapping = place.as_mapping_mut().expect("it was just made");
+            // Nothing yet, or `coupling: truss`, short for `coupling: { truss: … }`.
+            single if single.is_null() || single.as_str() == Some(step) => {
+                *single = Yaml::Mapping(Default::default());
+                let mapping = single.as_mapping_mut().expect("it was just made");
                 mapping.entry(step.into()).or_insert(Yaml::Null)
             }
             _ => return Err(format!("`{way}` is a single value and holds no `{step}`")),

@@ -41,7 +41,7 @@ pub struct FieldPicture {
     pub deformation_scale: Option<f64>,
     pub facets: Vec<Facet>,
     pub squares: Vec<Square>,
-    /// Outlines and interfaces, drawn thinly; see [`super::edge_path`] [m].
+    /// Outlines and interfaces, drawn thinly; see [`crate::geometry::chords_of`] [m].
     pub lines: Vec<Vec<[f64; 2]>>,
 }
 

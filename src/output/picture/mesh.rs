@@ -53,7 +53,7 @@ pub struct MeshPicture {
     pub regions: Vec<Region>,
     pub cells: Vec<Patch>,
     pub points: Vec<Dot>,
-    /// Interfaces of regions, drawn strongly; see [`super::edge_path`] [m].
+    /// Interfaces of regions, drawn strongly; see [`crate::geometry::chords_of`] [m].
     pub interfaces: Vec<Vec<[f64; 2]>>,
     /// Initial cracks, drawn strongest [m].
     pub cracks: Vec<Vec<[f64; 2]>>,

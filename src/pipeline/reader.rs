@@ -1,0 +1,502 @@
+//! The pipeline as written → the plan's numbers; each error carries the key that it concerns.
+
+use super::files::similar_file;
+use super::plan::{Condition, GeometryPlan, Loading, Probe, RegionPlan};
+use super::quantity::{self, Dimension};
+use super::source::{InputError, Source, choices};
+use super::spec::{self, Spec};
+use crate::coupling::truss::NodeArea;
+use crate::fem::edge::EdgeLoad;
+use crate::fracture::control::{Control, Until};
+use crate::fracture::failure::Strength;
+use crate::gmsh::Value;
+use crate::material::{Material, PlaneState};
+use crate::model::{Method, PeridynamicSettings};
+use crate::peridynamics::kernel::{Kernel, PartialArea};
+use crate::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Poisson's ratio may differ by this much from 1/3 or 1/4, so that 0.3333333 is accepted.
+const POISSON_TOLERANCE: f64 = 1e-6;
+
+/// Horizons of fewer spacings hold too few bonds for an isotropic material.
+const SMALLEST_HORIZON: f64 = 2.0;
+/// Larger families than these 1 250 neighbours are a slip of the pen.
+const LARGEST_HORIZON: f64 = 20.0;
+
+/// Turns the spec into numbers; every error carries its key.
+pub(super) struct Reader<'a> {
+    pub source: &'a Source,
+    pub spec: &'a Spec,
+}
+
+impl Reader<'_> {
+    pub(super) fn name(&self) -> Result<String, InputError> {
+        let name = &self.spec.name;
+        let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
+        if name.is_empty() || name.starts_with('.') || !name.chars().all(plain) {
+            let message = format!("`{name}` cannot name a folder of results");
+            let help = "use letters, digits, `_`, `-` and `.`, such as `plate_mode_i`".to_owned();
+            return Err(self.source.error("name", message, Some(help)));
+        }
+        Ok(name.clone())
+    }
+
+    fn quantity(
+        &self,
+        key: &str,
+        value: &spec::Scalar,
+        expected: Dimension,
+    ) -> Result<f64, InputError> {
+        quantity::parse(&value.0, expected).map_err(|error| {
+            self.source
+                .error(key, error.to_string(), Some(error.help()))
+        })
+    }
+
+    pub(super) fn positive(
+        &self,
+        key: &str,
+        value: &spec::Scalar,
+        expected: Dimension,
+    ) -> Result<f64, InputError> {
+        let number = self.quantity(key, value, expected)?;
+        if number > 0.0 {
+            return Ok(number);
+        }
+        let help = Some(format!(
+            "write {} greater than zero, such as `{}`",
+            expected.name(),
+            expected.example()
+        ));
+        Err(self
+            .source
+            .error(key, format!("`{}` is not positive", value.0), help))
+    }
+
+    pub(super) fn geometry(&self) -> Result<GeometryPlan, InputError> {
+        let geometry = &self.spec.geometry;
+        let folder = self.source.path.parent().unwrap_or(Path::new(""));
+        let file = folder.join(&geometry.file);
+        if !file.is_file() {
+            let what = if file.is_dir() {
+                "is a folder"
+            } else {
+                "does not exist"
+            };
+            let message = format!("the geometry file {} {what}", file.display());
+            let nearby = if file.is_dir() { file.join("x") } else { file };
+            let mut help = "the path is relative to the pipeline file".to_owned();
+            if let Some(similar) = similar_file(&nearby, &["geo", "msh"]) {
+                help.push_str(&format!("; {similar}"));
+            }
+            return Err(self.source.error("geometry/file", message, Some(help)));
+        }
+        let unit = spec::Scalar(format!("1 {}", geometry.unit));
+        Ok(GeometryPlan {
+            file,
+            unit_in_metres: self.positive("geometry/unit", &unit, Dimension::LENGTH)?,
+            parameters: geometry
+                .parameters
+                .iter()
+                .map(|(k, v)| (k.clone(), parameter(v)))
+                .collect(),
+        })
+    }
+
+    pub(super) fn materials(&self) -> Result<BTreeMap<String, Material>, InputError> {
+        let material = |(name, written): (&String, &spec::Material)| {
+            let key = |field| format!("materials/{name}/{field}");
+            let young = self.positive(&key("young"), &written.young, Dimension::PRESSURE)?;
+            let poisson = self.quantity(&key("poisson"), &written.poisson, Dimension::NUMBER)?;
+            if !(-1.0 < poisson && poisson < 0.5) {
+                let message = format!(
+                    "Poisson's ratio `{}` is not between -1 and 1/2",
+                    written.poisson.0
+                );
+                return Err(self.source.error(&key("poisson"), message, None));
+            }
+            Ok((name.clone(), Material { young, poisson }))
+        };
+        self.spec.materials.iter().map(material).collect()
+    }
+
+    /// What breaks the bonds of a material: its strengths, or its energy release rate.
+    fn strength(&self, name: &str) -> Result<Option<Strength>, InputError> {
+        let written = &self.spec.materials[name];
+        let key = |field: &str| format!("materials/{name}/{field}");
+        let read = |field: &str, value: &Option<spec::Scalar>, dimension| {
+            let value = value.as_ref();
+            value
+                .map(|v| self.positive(&key(field), v, dimension))
+                .transpose()
+        };
+        let tensile = read(
+            "tensile_strength",
+            &written.tensile_strength,
+            Dimension::PRESSURE,
+        )?;
+        let compressive = read(
+            "compressive_strength",
+            &written.compressive_strength,
+            Dimension::PRESSURE,
+        )?;
+        let rate = read(
+            "energy_release_rate",
+            &written.energy_release_rate,
+            Dimension::ENERGY_PER_AREA,
+        )?;
+        match (tensile, compressive, rate) {
+            (None, None, None) => Ok(None),
+            (Some(tensile), compressive, None) => Ok(Some(Strength::Stress {
+                tensile,
+                compressive,
+            })),
+            (None, None, Some(rate)) => Ok(Some(Strength::EnergyReleaseRate(rate))),
+            (None, Some(_), _) => {
+                let message = "a compressive strength needs a tensile strength beside it";
+                let help = Some("add `tensile_strength`".to_owned());
+                Err(self
+                    .source
+                    .error(&key("compressive_strength"), message, help))
+            }
+            (Some(_), _, Some(_)) => {
+                let message = "a material breaks by its strength or by its energy release rate";
+                let help =
+                    Some("remove one of `tensile_strength` and `energy_release_rate`".to_owned());
+                Err(self
+                    .source
+                    .error(&key("energy_release_rate"), message, help))
+            }
+        }
+    }
+
+    pub(super) fn loading(&self) -> Result<Option<Loading>, InputError> {
+        let Some(written) = &self.spec.loading else {
+            return Ok(None);
+        };
+        let counts = [
+            ("loading/steps", written.steps),
+            ("loading/most_passes", written.most_passes),
+            ("output/every", self.spec.output.every),
+        ];
+        if let Some((key, _)) = counts.iter().find(|(_, count)| *count == 0) {
+            let help = Some("write a whole number from 1 on".to_owned());
+            return Err(self.source.error(key, "this must not be zero", help));
+        }
+        let breakable = |region: &spec::Region| {
+            let material = self.spec.materials.get(&region.material);
+            region.model == spec::RegionModel::Peridynamics
+                && material.is_some_and(|m| {
+                    m.tensile_strength.is_some() || m.energy_release_rate.is_some()
+                })
+        };
+        if !self.spec.regions.iter().any(breakable) {
+            let message = "no bond can break: no peridynamic region has a strength";
+            let help = "give its material a `tensile_strength` or an `energy_release_rate`, or \
+                        remove `loading` for one elastic solve";
+            return Err(self.source.error("loading", message, Some(help.to_owned())));
+        }
+        Ok(Some(Loading {
+            control: match written.control {
+                spec::Control::OnePass => Control::OnePass,
+                spec::Control::Equilibrium => Control::Equilibrium {
+                    most_passes: written.most_passes,
+                },
+                spec::Control::EventDriven => Control::EventDriven,
+            },
+            until: Until {
+                steps: written.steps,
+                separated: written.until == spec::Until::Separated,
+            },
+        }))
+    }
+
+    pub(super) fn node_area(&self) -> Result<NodeArea, InputError> {
+        let written = &self.spec.coupling.truss.node_area;
+        match written.0.as_str() {
+            "lumped" => Ok(NodeArea::Lumped),
+            "half-edge" => Ok(NodeArea::HalfEdge),
+            text if !text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) => {
+                let message = format!("`{text}` is no way to find an interface node's area");
+                let help = "write `lumped`, `half-edge` or an area such as `12.5 mm^2`".to_owned();
+                Err(self
+                    .source
+                    .error("coupling/truss/node_area", message, Some(help)))
+            }
+            _ => self
+                .positive("coupling/truss/node_area", written, Dimension::AREA)
+                .map(NodeArea::Given),
+        }
+    }
+
+    pub(super) fn regions(
+        &self,
+        materials: &BTreeMap<String, Material>,
+        plane: PlaneState,
+    ) -> Result<Vec<RegionPlan>, InputError> {
+        if self.spec.regions.is_empty() {
+            let help =
+                Some("name a physical surface and its model: `fem` or `peridynamics`".to_owned());
+            return Err(self.source.error("regions", "there is no region", help));
+        }
+        let read = |(index, region): (usize, &spec::Region)| {
+            let key = |field: &str| format!("regions/{index}/{field}");
+            let material = *materials.get(&region.material).ok_or_else(|| {
+                let message = format!("material `{}` is not defined", region.material);
+                let help = choices(&region.material, materials.keys().map(String::as_str));
+                self.source.error(&key("material"), message, Some(help))
+            })?;
+            let method = match region.model {
+                spec::RegionModel::Fem => self.finite_elements(index, region)?,
+                spec::RegionModel::Peridynamics => {
+                    self.check_poisson(region, &material, plane)?;
+                    self.peridynamics(index, region)?
+                }
+            };
+            Ok(RegionPlan {
+                groups: region.group.0.clone(),
+                material_name: region.material.clone(),
+                material,
+                strength: self.strength(&region.material)?,
+                method,
+            })
+        };
+        self.spec.regions.iter().enumerate().map(read).collect()
+    }
+
+    fn check_poisson(
+        &self,
+        region: &spec::Region,
+        material: &Material,
+        plane: PlaneState,
+    ) -> Result<(), InputError> {
+        let needed = plane.bond_based_poisson();
+        if (material.poisson - needed).abs() <= POISSON_TOLERANCE {
+            return Ok(());
+        }
+        let (state, fraction) = match plane {
+            PlaneState::Stress => ("stress", "1/3"),
+            PlaneState::Strain => ("strain", "1/4"),
+        };
+        let message = format!(
+            "material `{}` has ν = {}, but bonds in plane {state} can only have ν = {fraction}",
+            region.material, self.spec.materials[&region.material].poisson.0
+        );
+        let help = format!(
+            "bonds are central forces: set `poisson: {fraction}` in `{}`, or give this region \
+             `model: fem`",
+            region.material
+        );
+        let place = format!("materials/{}/poisson", region.material);
+        Err(self.source.error(&place, message, Some(help)))
+    }
+
+    fn finite_elements(&self, index: usize, region: &spec::Region) -> Result<Method, InputError> {
+        let lattice_keys = [
+            ("spacing", region.spacing.is_some()),
+            ("horizon", region.horizon.is_some()),
+            ("kernel", region.kernel.is_some()),
+            ("points", region.points.is_some()),
+            ("cell_area", region.cell_area.is_some()),
+            ("partial_area", region.partial_area.is_some()),
+        ];
+        match lattice_keys.iter().find(|(_, given)| *given) {
+            Some((name, _)) => Err(self.source.error(
+                &format!("regions/{index}/{name}"),
+                format!("`{name}` belongs to peridynamic regions, and this one is `model: fem`"),
+                Some(format!("remove `{name}`, or write `model: peridynamics`")),
+            )),
+            None => Ok(Method::FiniteElements),
+        }
+    }
+
+    fn peridynamics(&self, index: usize, region: &spec::Region) -> Result<Method, InputError> {
+        let key = |field: &str| format!("regions/{index}/{field}");
+        let missing = |field: &str, example: &str| {
+            let message = format!("a peridynamic region needs a `{field}`");
+            self.source.error(
+                &format!("regions/{index}"),
+                message,
+                Some(format!("add `{example}`")),
+            )
+        };
+        let spacing = region
+            .spacing
+            .as_ref()
+            .ok_or_else(|| missing("spacing", "spacing: 0.5 mm"))?;
+        let spacing = self.positive(&key("spacing"), spacing, Dimension::LENGTH)?;
+        let written = region
+            .horizon
+            .as_ref()
+            .ok_or_else(|| missing("horizon", "horizon: 4"))?;
+        let lattice = LatticeSettings {
+            spacing,
+            placement: region.points.map_or(Placement::CellCentred, placement),
+            cell_area: region.cell_area.map_or(CellArea::Clipped, cell_area),
+        };
+        Ok(Method::Peridynamics(PeridynamicSettings {
+            lattice,
+            horizon_ratio: self.horizon(&key("horizon"), written, spacing)?,
+            kernel: region.kernel.map_or(Kernel::Quartic, kernel),
+            partial_area: region.partial_area.map_or(PartialArea::Full, partial_area),
+        }))
+    }
+
+    /// m = δ/dx from a number of spacings or a length.
+    fn horizon(&self, key: &str, written: &spec::Scalar, spacing: f64) -> Result<f64, InputError> {
+        let fail = |message: String, help: String| Err(self.source.error(key, message, Some(help)));
+        let ratio = match quantity::parse_any(&written.0) {
+            Ok((number, None)) => number,
+            _ => self.quantity(key, written, Dimension::LENGTH)? / spacing,
+        };
+        if ratio < SMALLEST_HORIZON * (1.0 - 1e-9) {
+            return fail(
+                format!(
+                    "a horizon of {} is {ratio:.3} spacings, less than {SMALLEST_HORIZON}",
+                    written.0
+                ),
+                "give it in spacings (`horizon: 4`) or as a length; 3 to 5 spacings are usual"
+                    .into(),
+            );
+        }
+        if ratio > LARGEST_HORIZON {
+            return fail(
+                format!(
+                    "a horizon of {} is {ratio:.3} spacings, more than {LARGEST_HORIZON}",
+                    written.0
+                ),
+                "a number without a unit counts spacings: `horizon: 4`; a length needs a unit"
+                    .into(),
+            );
+        }
+        Ok(ratio)
+    }
+
+    pub(super) fn conditions(&self) -> Result<Vec<Condition>, InputError> {
+        let written = self.spec.boundary.iter().enumerate();
+        let conditions: Vec<Condition> = written
+            .map(|(index, written)| self.condition(index, written))
+            .collect::<Result<_, _>>()?;
+        if conditions.iter().all(|c| c.displacement.is_none()) {
+            let message = "no displacement is prescribed: nothing holds the body";
+            let help = "add a support, such as `- { group: clamp, displacement: { x: 0, y: 0 } }`";
+            return Err(self
+                .source
+                .error("boundary", message, Some(help.to_owned())));
+        }
+        Ok(conditions)
+    }
+
+    fn condition(&self, index: usize, written: &spec::Boundary) -> Result<Condition, InputError> {
+        let displacement = written.displacement.as_ref();
+        let displacement = displacement
+            .map(|c| self.components(index, "displacement", c, Dimension::LENGTH))
+            .transpose()?;
+        let mut loads = Vec::new();
+        if let Some(components) = &written.traction {
+            let traction = self.components(index, "traction", components, Dimension::PRESSURE)?;
+            loads.push(EdgeLoad::Traction(traction.map(|t| t.unwrap_or(0.0))));
+        }
+        if let Some(pressure) = &written.pressure {
+            let key = format!("boundary/{index}/pressure");
+            let pressure = self.quantity(&key, pressure, Dimension::PRESSURE)?;
+            loads.push(EdgeLoad::Pressure(pressure));
+        }
+        if displacement.is_none() && loads.is_empty() {
+            let message = format!("nothing happens at `{}`", written.group);
+            let help = "give a `displacement`, a `traction` or a `pressure`".to_owned();
+            return Err(self
+                .source
+                .error(&format!("boundary/{index}"), message, Some(help)));
+        }
+        Ok(Condition {
+            group: written.group.clone(),
+            displacement,
+            loads,
+        })
+    }
+
+    /// The x and y of a displacement or traction, at least one of which must be given.
+    fn components(
+        &self,
+        index: usize,
+        field: &str,
+        written: &spec::Components,
+        dimension: Dimension,
+    ) -> Result<[Option<f64>; 2], InputError> {
+        let key = format!("boundary/{index}/{field}");
+        let one = |axis: &str, value: &Option<spec::Scalar>| {
+            let read = |value| self.quantity(&format!("{key}/{axis}"), value, dimension);
+            value.as_ref().map(read).transpose()
+        };
+        let components = [one("x", &written.x)?, one("y", &written.y)?];
+        if components == [None, None] {
+            let help = format!("give `x`, `y` or both: `{field}: {{ x: 0 }}`");
+            let message = format!("this {field} has no component");
+            return Err(self.source.error(&key, message, Some(help)));
+        }
+        Ok(components)
+    }
+
+    pub(super) fn probes(&self) -> Result<Vec<Probe>, InputError> {
+        let read = |(name, probe): (&String, &spec::Probe)| {
+            let key = |field: &str| format!("probes/{name}/{field}");
+            let at =
+                |k: usize| self.quantity(&key(&format!("at/{k}")), &probe.at[k], Dimension::LENGTH);
+            let reference = probe.reference.as_ref();
+            Ok(Probe {
+                name: name.clone(),
+                at: [at(0)?, at(1)?],
+                axis: match probe.component {
+                    spec::Component::X => 0,
+                    spec::Component::Y => 1,
+                },
+                reference: reference
+                    .map(|value| self.quantity(&key("reference"), value, Dimension::LENGTH))
+                    .transpose()?,
+            })
+        };
+        self.spec.probes.iter().map(read).collect()
+    }
+}
+
+fn kernel(written: spec::Kernel) -> Kernel {
+    match written {
+        spec::Kernel::Quartic => Kernel::Quartic,
+        spec::Kernel::Constant => Kernel::Constant,
+        spec::Kernel::Linear => Kernel::Linear,
+        spec::Kernel::Parabolic => Kernel::Parabolic,
+        spec::Kernel::Inverse => Kernel::Inverse,
+    }
+}
+
+fn placement(written: spec::Points) -> Placement {
+    match written {
+        spec::Points::CellCentred => Placement::CellCentred,
+        spec::Points::GridNodes => Placement::GridNodes,
+    }
+}
+
+fn cell_area(written: spec::CellArea) -> CellArea {
+    match written {
+        spec::CellArea::Full => CellArea::Full,
+        spec::CellArea::Clipped => CellArea::Clipped,
+    }
+}
+
+fn partial_area(written: spec::PartialArea) -> PartialArea {
+    match written {
+        spec::PartialArea::Full => PartialArea::Full,
+        spec::PartialArea::Hhb => PartialArea::Hhb,
+    }
+}
+
+/// A `.geo` parameter is a number where it reads as one.
+fn parameter(written: &spec::Scalar) -> Value {
+    match written.0.parse() {
+        Ok(number) => Value::Number(number),
+        Err(_) => Value::Text(written.0.clone()),
+    }
+}

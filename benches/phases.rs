@@ -238,7 +238,8 @@ fn factorisation(ordering: Ordering, pattern: &Pattern, matrix: &LowerMatrix, ma
         order();
     });
     row(&format!("ordering: {ordering:?}"), time, memory, None);
-    let analyse = || Symbolic::with_order(pattern.symbolic(), nodes.as_deref()).expect("there is memory");
+    let analyse =
+        || Symbolic::with_order(pattern.symbolic(), nodes.as_deref()).expect("there is memory");
     let (symbolic, memory) = gained(analyse);
     let time = median(|| {
         analyse();

@@ -24,7 +24,9 @@ impl Cracks {
             let points = chords(edge, &mesh.nodes);
             points.windows(2).map(|w| [w[0], w[1]]).collect::<Vec<_>>()
         };
-        Cracks { segments: edges.iter().flat_map(of_edge).collect() }
+        Cracks {
+            segments: edges.iter().flat_map(of_edge).collect(),
+        }
     }
 
     pub fn is_empty(&self) -> bool {
@@ -34,9 +36,9 @@ impl Cracks {
     /// Whether the bond from `a` to `b` is severed.
     pub fn sever(&self, a: [f64; 2], b: [f64; 2]) -> bool {
         let reach = TOUCH * (b[0] - a[0]).hypot(b[1] - a[1]);
-        self.segments.iter().any(|&segment| {
-            near(segment, [a, b], reach) && meet(segment, [a, b], reach)
-        })
+        self.segments
+            .iter()
+            .any(|&segment| near(segment, [a, b], reach) && meet(segment, [a, b], reach))
     }
 }
 
@@ -70,7 +72,9 @@ mod tests {
     use super::*;
 
     fn crack() -> Cracks {
-        Cracks { segments: vec![[[0.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [2.0, 1.0]]] }
+        Cracks {
+            segments: vec![[[0.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [2.0, 1.0]]],
+        }
     }
 
     #[test]

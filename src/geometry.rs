@@ -71,7 +71,9 @@ impl Outline {
 
     /// Whether a point lies inside.
     pub fn contains(&self, [x, y]: [f64; 2]) -> bool {
-        self.inside_at(y).iter().any(|&[from, to]| from <= x && x <= to)
+        self.inside_at(y)
+            .iter()
+            .any(|&[from, to]| from <= x && x <= to)
     }
 
     /// The part with `low` ≤ coordinate ≤ `high` along `axis`. Its area is exact; its polygons may

@@ -4,8 +4,8 @@
 //! region. Immutable once built.
 
 use crate::assembly::ElementStiffness;
-use crate::cracks::Cracks;
 use crate::coupling::truss::{InterfaceNode, NodeArea, trusses};
+use crate::cracks::Cracks;
 use crate::fem::element;
 use crate::geometry::{Outline, chords};
 use crate::material::{Material, PlaneState};

@@ -24,7 +24,9 @@ impl Springs {
         let stiffness = self.stiffness.iter().zip(intact);
         Springs {
             ends: self.ends.clone(),
-            stiffness: stiffness.map(|(&k, &intact)| if intact { k } else { 0.0 }).collect(),
+            stiffness: stiffness
+                .map(|(&k, &intact)| if intact { k } else { 0.0 })
+                .collect(),
         }
     }
 

@@ -28,10 +28,13 @@ impl Solution {
     /// the elastic energy [J].
     pub fn conjugate_force(&self, boundary: &Boundary) -> f64 {
         let loads = boundary.load.iter().enumerate();
-        let by_loads: f64 = loads.map(|(dof, f)| f * self.displacement[dof / 2][dof % 2]).sum();
+        let by_loads: f64 = loads
+            .map(|(dof, f)| f * self.displacement[dof / 2][dof % 2])
+            .sum();
         let supports = boundary.prescribed.iter();
-        let by_supports: f64 =
-            supports.map(|(&dof, (value, _))| value * self.reaction[dof / 2][dof % 2]).sum();
+        let by_supports: f64 = supports
+            .map(|(&dof, (value, _))| value * self.reaction[dof / 2][dof % 2])
+            .sum();
         by_loads + by_supports
     }
 }
@@ -150,12 +153,23 @@ impl<'a> Solver<'a> {
             Pattern::new(model.node_count(), &model.springs, &elements)
         });
         let order = phases
-            .measure("ordering", || elimination_order(Ordering::Metis, &pattern.graph))
-            .map_err(|status| SolverError::Ordering { nodes: pattern.nodes(), status })?;
+            .measure("ordering", || {
+                elimination_order(Ordering::Metis, &pattern.graph)
+            })
+            .map_err(|status| SolverError::Ordering {
+                nodes: pattern.nodes(),
+                status,
+            })?;
         let symbolic = phases.measure("symbolic", || {
             Symbolic::with_order(pattern.symbolic(), order.as_deref())
         })?;
-        Ok(Solver { model, boundary, elements, pattern, symbolic })
+        Ok(Solver {
+            model,
+            boundary,
+            elements,
+            pattern,
+            symbolic,
+        })
     }
 
     /// Solves with the springs that are `intact`; the nodes of `pinned` parts, which nothing holds,
@@ -208,12 +222,20 @@ impl<'a> Solver<'a> {
         mechanisms: &BTreeSet<usize>,
         phases: &mut Phases,
     ) -> System<'_> {
-        let Solver { model, boundary, elements, pattern, .. } = self;
+        let Solver {
+            model,
+            boundary,
+            elements,
+            pattern,
+            ..
+        } = self;
         let stiffness = phases.measure("assembly", || {
             let springs = model.springs.with(intact);
             pattern.assemble(&model.positions, &springs, elements)
         });
-        phases.measure("supports", || System::new(stiffness, boundary, pinned, mechanisms))
+        phases.measure("supports", || {
+            System::new(stiffness, boundary, pinned, mechanisms)
+        })
     }
 
     fn finish(

@@ -113,7 +113,10 @@ fn connected_parts(model: &Model, intact: &[bool]) -> Vec<Vec<usize>> {
     }
     let mut parts: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for node in 0..model.node_count() as u32 {
-        parts.entry(root(&mut parent, node)).or_default().push(node as usize);
+        parts
+            .entry(root(&mut parent, node))
+            .or_default()
+            .push(node as usize);
     }
     parts.into_values().collect()
 }

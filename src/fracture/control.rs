@@ -108,7 +108,11 @@ pub fn run<E: From<StaticsError>>(
             return Ok(Ending::NothingLeftToBreak);
         };
         state.step += 1;
-        let mut record = Record { broken: 0, passes: 0, residual: 0.0 };
+        let mut record = Record {
+            broken: 0,
+            passes: 0,
+            residual: 0.0,
+        };
         let settled = loop {
             state.advance(problem.model, problem.boundary, &response.unit, load_factor);
             let broken = response.break_bonds(problem, state);
@@ -163,14 +167,25 @@ impl<'a> Response<'a> {
         phases: &mut Phases,
     ) -> Result<Response<'a>, StaticsError> {
         let solver = Solver::new(problem.model, problem.boundary, phases)?;
-        let unit =
-            solver.solve_broken(&state.intact, &state.fragments, &mut state.mechanisms, phases)?;
+        let unit = solver.solve_broken(
+            &state.intact,
+            &state.fragments,
+            &mut state.mechanisms,
+            phases,
+        )?;
         Ok(Response { solver, unit })
     }
 
     fn refresh(&mut self, state: &mut State, phases: &mut Phases) -> Result<(), StaticsError> {
-        let State { intact, fragments, mechanisms, .. } = state;
-        self.unit = self.solver.solve_broken(intact, fragments, mechanisms, phases)?;
+        let State {
+            intact,
+            fragments,
+            mechanisms,
+            ..
+        } = state;
+        self.unit = self
+            .solver
+            .solve_broken(intact, fragments, mechanisms, phases)?;
         Ok(())
     }
 
@@ -194,19 +209,34 @@ impl<'a> Response<'a> {
                 return f64::INFINITY;
             }
             let ends = model.springs.ends[s];
-            limits.of(s).load_factor(springs::stretch(ends, &model.positions, &self.unit.displacement))
+            limits.of(s).load_factor(springs::stretch(
+                ends,
+                &model.positions,
+                &self.unit.displacement,
+            ))
         };
-        (0..model.springs.len()).into_par_iter().map(factor).collect()
+        (0..model.springs.len())
+            .into_par_iter()
+            .map(factor)
+            .collect()
     }
 
     fn break_bonds(&self, problem: &Problem, state: &mut State) -> usize {
-        let Problem { model, boundary, limits, control, .. } = problem;
+        let Problem {
+            model,
+            boundary,
+            limits,
+            control,
+            ..
+        } = problem;
         if *control != Control::EventDriven {
             return state.break_exceeded(model, boundary, limits);
         }
         let reached = state.load_factor * (1.0 + TIE);
         let factors = self.load_factors(problem, state);
-        let now: Vec<usize> = (0..factors.len()).filter(|&s| factors[s] <= reached).collect();
+        let now: Vec<usize> = (0..factors.len())
+            .filter(|&s| factors[s] <= reached)
+            .collect();
         state.break_bonds(model, boundary, &now)
     }
 }

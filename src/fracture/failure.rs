@@ -27,13 +27,18 @@ pub enum Strength {
 
 impl CriticalStretch {
     /// Never breaks.
-    pub const UNBREAKABLE: CriticalStretch =
-        CriticalStretch { tension: f64::INFINITY, compression: f64::INFINITY };
+    pub const UNBREAKABLE: CriticalStretch = CriticalStretch {
+        tension: f64::INFINITY,
+        compression: f64::INFINITY,
+    };
 
     /// `young` is E [Pa].
     pub fn new(strength: Strength, young: f64, micromodulus: &Micromodulus) -> CriticalStretch {
         match strength {
-            Strength::Stress { tensile, compressive } => CriticalStretch {
+            Strength::Stress {
+                tensile,
+                compressive,
+            } => CriticalStretch {
                 tension: tensile / young,
                 compression: compressive.map_or(f64::INFINITY, |f_c| f_c / young),
             },
@@ -81,19 +86,28 @@ mod tests {
         ];
         for (kernel, stress, strain) in table {
             for (plane, expected) in [(PlaneState::Stress, stress), (PlaneState::Strain, strain)] {
-                let material = Material { young: 3.0, poisson: plane.bond_based_poisson() };
+                let material = Material {
+                    young: 3.0,
+                    poisson: plane.bond_based_poisson(),
+                };
                 let c = Micromodulus::new(kernel, PartialArea::Full, &material, plane, 0.5, 0.1);
                 let s0 = CriticalStretch::new(Strength::EnergyReleaseRate(0.7), 3.0, &c).tension;
                 let unit = 0.7 / (3.0 * 0.5);
                 // A square root and five products.
-                assert!((s0 * s0 / unit / expected - 1.0).abs() < 1e-15, "{kernel:?} {plane:?}");
+                assert!(
+                    (s0 * s0 / unit / expected - 1.0).abs() < 1e-15,
+                    "{kernel:?} {plane:?}"
+                );
             }
         }
     }
 
     #[test]
     fn both_branches_break() {
-        let limit = CriticalStretch { tension: 1.0, compression: 10.0 };
+        let limit = CriticalStretch {
+            tension: 1.0,
+            compression: 10.0,
+        };
         assert!(limit.is_exceeded(1.1) && limit.is_exceeded(-10.1));
         assert!(!limit.is_exceeded(0.9) && !limit.is_exceeded(-9.9));
         assert_eq!(limit.load_factor(0.5), 2.0);

@@ -60,7 +60,13 @@ impl State {
     }
 
     /// Moves along the straight path to `load_factor`, where `unit` is the response to λ = 1.
-    pub fn advance(&mut self, model: &Model, boundary: &Boundary, unit: &Solution, load_factor: f64) {
+    pub fn advance(
+        &mut self,
+        model: &Model,
+        boundary: &Boundary,
+        unit: &Solution,
+        load_factor: f64,
+    ) {
         let frozen: Vec<usize> = self.fragments.iter().flatten().copied().collect();
         let kept: Vec<[f64; 2]> = frozen.iter().map(|&node| self.displacement[node]).collect();
         let moved = unit.displacement.iter().map(|u| u.map(|u| load_factor * u));
@@ -68,13 +74,23 @@ impl State {
         for (&node, u) in frozen.iter().zip(kept) {
             self.displacement[node] = u;
         }
-        self.account(model, unit.conjugate_force(boundary), load_factor, &unit.displacement);
+        self.account(
+            model,
+            unit.conjugate_force(boundary),
+            load_factor,
+            &unit.displacement,
+        );
         self.load_factor = load_factor;
     }
 
     fn account(&mut self, model: &Model, stiffness: f64, load_factor: f64, unit: &[[f64; 2]]) {
         let force = stiffness * load_factor;
-        let Energy { external, elastic, dissipated, force: last } = &mut self.energy;
+        let Energy {
+            external,
+            elastic,
+            dissipated,
+            force: last,
+        } = &mut self.energy;
         *external += 0.5 * (*last + force) * (load_factor - self.load_factor);
         *elastic = 0.5 * force * load_factor;
         for (spring, before) in self.just_broken.drain(..) {
@@ -91,11 +107,15 @@ impl State {
     /// Breaks every intact bond that is over its limit and returns how many.
     pub fn break_exceeded(&mut self, model: &Model, boundary: &Boundary, limits: &Limits) -> usize {
         let over = |&s: &usize| {
-            let stretch = springs::stretch(model.springs.ends[s], &model.positions, &self.displacement);
+            let stretch =
+                springs::stretch(model.springs.ends[s], &model.positions, &self.displacement);
             limits.of(s).is_exceeded(stretch)
         };
-        let broken: Vec<usize> =
-            (0..model.springs.len()).into_par_iter().filter(|&s| self.intact[s]).filter(over).collect();
+        let broken: Vec<usize> = (0..model.springs.len())
+            .into_par_iter()
+            .filter(|&s| self.intact[s])
+            .filter(over)
+            .collect();
         self.break_bonds(model, boundary, &broken)
     }
 
@@ -139,7 +159,11 @@ pub fn damage(model: &Model, intact: &[bool]) -> Vec<f64> {
             }
         }
     }
-    broken.iter().zip(whole).map(|(b, w)| if w > 0.0 { b / w } else { 0.0 }).collect()
+    broken
+        .iter()
+        .zip(whole)
+        .map(|(b, w)| if w > 0.0 { b / w } else { 0.0 })
+        .collect()
 }
 
 /// The critical stretch of every spring.

@@ -137,7 +137,12 @@ impl Checkpoint {
             intact: self.intact.clone(),
             fragments: self.fragments.clone(),
             mechanisms: self.mechanisms.clone(),
-            energy: Energy { external, elastic, dissipated, force },
+            energy: Energy {
+                external,
+                elastic,
+                dissipated,
+                force,
+            },
             peak_force: self.peak_force,
             just_broken: self.just_broken.clone(),
         }
@@ -161,7 +166,10 @@ pub(super) fn run(
     let mut writer = Writer::new(plan, model, boundary, &limits, recipe)?;
     let mut state = match writer.resume()? {
         Some(state) => {
-            observer.warns(&format!("an interrupted run goes on after step {}", state.step));
+            observer.warns(&format!(
+                "an interrupted run goes on after step {}",
+                state.step
+            ));
             state
         }
         None => {
@@ -172,10 +180,18 @@ pub(super) fn run(
     };
     let lost: usize = state.fragments.iter().map(Vec::len).sum();
     if lost > 0 && state.step == 0 {
-        observer.warns(&format!("the cracks cut {lost} material points off; they do not move"));
+        observer.warns(&format!(
+            "the cracks cut {lost} material points off; they do not move"
+        ));
     }
     let Loading { control, until } = loading;
-    let problem = Problem { model, boundary, limits: &limits, control, until };
+    let problem = Problem {
+        model,
+        boundary,
+        limits: &limits,
+        control,
+        until,
+    };
     let start = Instant::now();
     let first = state.step;
     let mut last = None;
@@ -183,7 +199,10 @@ pub(super) fn run(
         writer.step(state, record, unit)?;
         last = Some(unit.clone());
         let rate = start.elapsed().as_secs_f64() / (state.step - first) as f64;
-        let line = writer.history.last().expect("the step has just been written");
+        let line = writer
+            .history
+            .last()
+            .expect("the step has just been written");
         observer.progress(&format!(
             "step {} of at most {}, λ = {:.4}, {} bonds broken ({} in all), {} passes, at most {:.0} s left",
             state.step,
@@ -234,7 +253,11 @@ impl<'a> Writer<'a> {
         let csv = File::options().create(true).append(true).open(&csv_path);
         let csv = csv.map_err(|source| file_error("create", &csv_path, source))?;
         let crack_lengths = crack_lengths(model, limits);
-        let severed = model.intact.iter().zip(&crack_lengths).filter(|(intact, _)| !**intact);
+        let severed = model
+            .intact
+            .iter()
+            .zip(&crack_lengths)
+            .filter(|(intact, _)| !**intact);
         let initial_length = severed.map(|(_, length)| length).sum();
         let recipe = stamp::hash(recipe.as_bytes());
         Ok(Writer {
@@ -260,7 +283,9 @@ impl<'a> Writer<'a> {
         if let Some(checkpoint) = &stored {
             self.history.clone_from(&checkpoint.history);
             self.frames.clone_from(&checkpoint.frames);
-            self.history.iter().for_each(|line| text += &format!("{}\n", line.csv()));
+            self.history
+                .iter()
+                .for_each(|line| text += &format!("{}\n", line.csv()));
         }
         write_whole(&self.csv_path, text.as_bytes())?;
         let csv = File::options().append(true).open(&self.csv_path);
@@ -285,7 +310,12 @@ impl<'a> Writer<'a> {
         let largest = prescribed.map(|(value, _)| value.abs()).fold(0.0, f64::max);
         let resultants = group_reactions(self.boundary, unit);
         let resultants = resultants.values().map(|[x, y]| x.hypot(*y));
-        let broken = self.model.intact.iter().zip(&state.intact).zip(&self.crack_lengths);
+        let broken = self
+            .model
+            .intact
+            .iter()
+            .zip(&state.intact)
+            .zip(&self.crack_lengths);
         let grown = broken.filter(|((before, now), _)| **before && !**now);
         Line {
             step: state.step,
@@ -319,7 +349,12 @@ impl<'a> Writer<'a> {
     }
 
     fn checkpoint(&self, state: &State) -> Result<(), RunError> {
-        let Energy { external, elastic, dissipated, force } = state.energy;
+        let Energy {
+            external,
+            elastic,
+            dissipated,
+            force,
+        } = state.energy;
         let checkpoint = Checkpoint {
             recipe: self.recipe.clone(),
             step: state.step,
@@ -334,7 +369,10 @@ impl<'a> Writer<'a> {
             history: self.history.clone(),
             frames: self.frames.clone(),
         };
-        Ok(write_whole(&self.plan.folder.join(CHECKPOINT_FILE), &encode(&checkpoint))?)
+        Ok(write_whole(
+            &self.plan.folder.join(CHECKPOINT_FILE),
+            &encode(&checkpoint),
+        )?)
     }
 
     fn finish(self, state: &State, unit: Solution, ending: Ending) -> Result<Fractured, RunError> {
@@ -363,7 +401,10 @@ pub(super) fn forget_checkpoint(folder: &Path) -> Result<(), RunError> {
 fn crack_lengths(model: &Model, limits: &Limits) -> Vec<f64> {
     let mut lengths = vec![0.0; model.springs.len()];
     for (spring, &ends) in model.springs.ends.iter().enumerate() {
-        let points = model.points.iter().find(|p| p.nodes.contains(&(ends[1] as usize)));
+        let points = model
+            .points
+            .iter()
+            .find(|p| p.nodes.contains(&(ends[1] as usize)));
         let breakable = limits.of(spring).tension.is_finite();
         if let (true, Some(points)) = (breakable, points) {
             let (xi, _) = springs::axis(ends, &model.positions);

@@ -335,28 +335,46 @@ impl Reader<'_> {
         let key = |field: &str| format!("materials/{name}/{field}");
         let read = |field: &str, value: &Option<spec::Scalar>, dimension| {
             let value = value.as_ref();
-            value.map(|v| self.positive(&key(field), v, dimension)).transpose()
+            value
+                .map(|v| self.positive(&key(field), v, dimension))
+                .transpose()
         };
-        let tensile = read("tensile_strength", &written.tensile_strength, Dimension::PRESSURE)?;
-        let compressive =
-            read("compressive_strength", &written.compressive_strength, Dimension::PRESSURE)?;
-        let rate =
-            read("energy_release_rate", &written.energy_release_rate, Dimension::ENERGY_PER_AREA)?;
+        let tensile = read(
+            "tensile_strength",
+            &written.tensile_strength,
+            Dimension::PRESSURE,
+        )?;
+        let compressive = read(
+            "compressive_strength",
+            &written.compressive_strength,
+            Dimension::PRESSURE,
+        )?;
+        let rate = read(
+            "energy_release_rate",
+            &written.energy_release_rate,
+            Dimension::ENERGY_PER_AREA,
+        )?;
         match (tensile, compressive, rate) {
             (None, None, None) => Ok(None),
-            (Some(tensile), compressive, None) => {
-                Ok(Some(Strength::Stress { tensile, compressive }))
-            }
+            (Some(tensile), compressive, None) => Ok(Some(Strength::Stress {
+                tensile,
+                compressive,
+            })),
             (None, None, Some(rate)) => Ok(Some(Strength::EnergyReleaseRate(rate))),
             (None, Some(_), _) => {
                 let message = "a compressive strength needs a tensile strength beside it";
                 let help = Some("add `tensile_strength`".to_owned());
-                Err(self.source.error(&key("compressive_strength"), message, help))
+                Err(self
+                    .source
+                    .error(&key("compressive_strength"), message, help))
             }
             (Some(_), _, Some(_)) => {
                 let message = "a material breaks by its strength or by its energy release rate";
-                let help = Some("remove one of `tensile_strength` and `energy_release_rate`".to_owned());
-                Err(self.source.error(&key("energy_release_rate"), message, help))
+                let help =
+                    Some("remove one of `tensile_strength` and `energy_release_rate`".to_owned());
+                Err(self
+                    .source
+                    .error(&key("energy_release_rate"), message, help))
             }
         }
     }
@@ -390,9 +408,9 @@ impl Reader<'_> {
         Ok(Some(Loading {
             control: match written.control {
                 spec::Control::OnePass => Control::OnePass,
-                spec::Control::Equilibrium => {
-                    Control::Equilibrium { most_passes: written.most_passes }
-                }
+                spec::Control::Equilibrium => Control::Equilibrium {
+                    most_passes: written.most_passes,
+                },
                 spec::Control::EventDriven => Control::EventDriven,
             },
             until: Until {

@@ -7,6 +7,7 @@ use super::spec::OutputField;
 use crate::boundary::Boundary;
 use crate::fem::element::MappedPoint;
 use crate::fields::{NodalFields, stretches};
+use crate::fracture::state;
 use crate::model::{Method, Model};
 use crate::output::field::{Field, FieldName};
 use crate::output::picture::{
@@ -15,7 +16,6 @@ use crate::output::picture::{
 use crate::output::pvd::{self, PvdError};
 use crate::output::vtu::{Part, PartCell, VtuError};
 use crate::phases::Phases;
-use crate::fracture::state;
 use crate::statics::group_reactions;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -170,7 +170,8 @@ impl Outcome<'_> {
             .collect();
         if self.has_damage() {
             let damage = state::damage(model, &frame.intact);
-            part.point_data.push(Field::scalar(FieldName::Damage, damage));
+            part.point_data
+                .push(Field::scalar(FieldName::Damage, damage));
         }
         part.point_data
             .push(Field::scalar(FieldName::Area, model.areas.clone()));
@@ -246,7 +247,9 @@ impl Outcome<'_> {
             files.push(file.to_owned());
         }
         if self.has_damage() {
-            self.damage_picture().draw()?.write(&folder.join("damage.png"))?;
+            self.damage_picture()
+                .draw()?
+                .write(&folder.join("damage.png"))?;
             files.push("damage.png".to_owned());
         }
         Ok(files)
@@ -258,7 +261,10 @@ impl Outcome<'_> {
         let course = self.solved.fracture.as_ref();
         let damage = state::damage(model, &self.solved.intact);
         let squares = self.dots().into_iter().zip(damage);
-        let cells = model.elements.iter().map(|&(_, cell)| &model.mesh.cells[cell]);
+        let cells = model
+            .elements
+            .iter()
+            .map(|&(_, cell)| &model.mesh.cells[cell]);
         let edges = cells.flat_map(|cell| cell.edges());
         FieldPicture {
             title: match course.and_then(|course| course.history.last()) {
@@ -447,7 +453,10 @@ impl Outcome<'_> {
     fn fracture_summary(&self) -> Option<Value> {
         let course = self.solved.fracture.as_ref()?;
         let first = course.history.iter().find(|line| line.bonds_broken > 0);
-        let peak = course.history.iter().max_by(|a, b| a.reaction.total_cmp(&b.reaction));
+        let peak = course
+            .history
+            .iter()
+            .max_by(|a, b| a.reaction.total_cmp(&b.reaction));
         let point = |line: &Line| {
             json!({
                 "step": line.step,

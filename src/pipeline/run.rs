@@ -1,10 +1,8 @@
 //! Runs the stages that are stale: mesh → solve → output. Bad input is found before anything is
 //! written; what is written appears under its name only when it is whole.
 
-use super::fracture::{
-    self, Fractured, HISTORY_FILE, Line, forget_checkpoint, frame_file,
-};
 use super::folder::{draft, file_error, hash_of, lock, remove};
+use super::fracture::{self, Fractured, HISTORY_FILE, Line, forget_checkpoint, frame_file};
 use super::plan::{Loading, Plan};
 use super::recipe::recipe;
 use super::results::{Outcome, ResultsError};
@@ -450,7 +448,11 @@ impl Run<'_> {
                 factor_entries,
             },
         };
-        let ending = |name: &str| Ending::ALL.into_iter().find(|ending| ending.describe() == name);
+        let ending = |name: &str| {
+            Ending::ALL
+                .into_iter()
+                .find(|ending| ending.describe() == name)
+        };
         let course = |stored: StoredFracture| Course {
             history: stored.history,
             frames: stored.frames,
@@ -668,7 +670,10 @@ fn describe(model: &Model, solved: &Solved) -> String {
         Some(course) => {
             let last = course.history.last();
             let broken = last.map_or(0, |line| line.bonds_broken_total);
-            format!("{size}; {} steps, {broken} bonds broken", course.history.len())
+            format!(
+                "{size}; {} steps, {broken} bonds broken",
+                course.history.len()
+            )
         }
     }
 }

@@ -163,7 +163,9 @@ fn cracks(plan: &Plan, mesh: &Mesh) -> Result<Cracks, InputError> {
             let file = plan.geometry.file.display();
             let message = format!("there is no physical curve `{name}` in {file}");
             let help = choices(name, mesh.curves.keys().map(String::as_str));
-            return Err(plan.source.error(&format!("cracks/{index}"), message, Some(help)));
+            return Err(plan
+                .source
+                .error(&format!("cracks/{index}"), message, Some(help)));
         };
         edges.extend_from_slice(curve);
     }
@@ -194,7 +196,9 @@ pub fn limits(plan: &Plan, model: &Model) -> Result<Limits, InputError> {
             return 0;
         }
         // A truss runs from an element node to a point: the point's material decides.
-        model.region_of_point(b as usize).map_or(0, |region| class_of[region])
+        model
+            .region_of_point(b as usize)
+            .map_or(0, |region| class_of[region])
     };
     let class = model.springs.ends.iter().enumerate().map(class).collect();
     Ok(Limits { table, class })
@@ -207,7 +211,9 @@ fn unbreakable_points(plan: &Plan, model: &Model) -> Result<Vec<bool>, InputErro
             let file = plan.geometry.file.display();
             let message = format!("there is no physical surface `{name}` in {file}");
             let help = choices(name, model.mesh.surfaces.keys().map(String::as_str));
-            return Err(plan.source.error(&format!("no_fail/{index}"), message, Some(help)));
+            return Err(plan
+                .source
+                .error(&format!("no_fail/{index}"), message, Some(help)));
         };
         let outline = Outline::of_cells(&model.mesh, cells);
         for node in model.fe_node_count()..model.node_count() {

@@ -429,7 +429,7 @@ fn strengths() {
         ", tensile_strength: 2 MPa, energy_release_rate: 1 J/m^2",
         &two,
     );
-    let rate = ["plate.yaml:7:", "is a pressure", "J/m"];
+    let rate = ["plate.yaml:7:", "is a pressure", "energy per area"];
     assert_plate(both, ", energy_release_rate: 1 Pa", &rate);
 }
 

@@ -337,7 +337,12 @@ fn event_driven_balances_energy_and_traces_the_snap_back() {
         "{peak} after an onset at {}",
         load[0]
     );
-    assert!(*load.last().expect("events") < 0.9 * load[0]);
+    let lowest = load.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(
+        lowest < 0.9 * load[0],
+        "{lowest} after an onset at {}",
+        load[0]
+    );
     // What has broken stays broken, though the load falls.
     for pair in steps.windows(2) {
         let (before, after) = (&pair[0].state.intact, &pair[1].state.intact);
@@ -578,7 +583,7 @@ loading: {{ control: one-pass, steps: 10 }}
         let set = format!("coupling={{truss: {{breakable: {trusses_break}}}}}");
         let plan = Plan::read(&path, &[set], None).expect("a sound pipeline");
         let (model, _) = validate::discretise(&plan, mesh.clone()).expect("a model");
-        let limits = validate::limits(&plan, &model).expect("limits");
+        let limits = validate::limits(&plan, &model);
         let mut counts = [0, 0];
         for (spring, ends) in model.springs.ends.iter().enumerate() {
             let is_truss = spring >= model.bond_count;

@@ -180,7 +180,7 @@ pub(super) fn run(
     observer: &mut dyn Observer,
     phases: &mut Phases,
 ) -> Result<Fractured, RunError> {
-    let limits = limits(plan, model)?;
+    let limits = limits(plan, model);
     let mut writer = Writer::new(plan, model, boundary, &limits, recipe)?;
     let (mut state, mut last) = match writer.resume()? {
         Some((state, unit)) => {

@@ -378,6 +378,61 @@ fn supports() {
     assert_edit(BOUNDARY, &corner, &conflict);
 }
 
+/// The sound plate with `old` replaced by `new` is refused.
+#[track_caller]
+fn assert_plate(old: &str, new: &str, message: &[&str]) {
+    let place = Workplace::with_plate();
+    place.edit("plate.yaml", old, new);
+    assert_refused(&place, &["plate.yaml"], 2, message);
+}
+
+#[test]
+fn cracks_and_loading() {
+    let crack = [
+        "plate.yaml:11:",
+        "no physical curve `crac`",
+        "mean `crack`?",
+    ];
+    assert_plate("cracks: [crack]", "cracks: [crac]", &crack);
+    let surface = [
+        "plate.yaml:11:",
+        "no physical surface `bend`",
+        "mean `band`?",
+    ];
+    assert_plate("cracks: [crack]", "no_fail: [bend]", &surface);
+    let zero = ["plate.yaml:15:", "must not be zero", "from 1 on"];
+    assert_plate("steps: 200", "steps: 0", &zero);
+    assert_plate("steps: 200", "steps: 200, most_passes: 0", &zero);
+    assert_plate(
+        "every: 7",
+        "every: 0",
+        &["plate.yaml:16:", "must not be zero"],
+    );
+    let control = ["plate.yaml:15:", "two-pass", "mean `one-pass`?"];
+    assert_plate("one-pass", "two-pass", &control);
+}
+
+#[test]
+fn strengths() {
+    let both = ", tensile_strength: 2.01 MPa, compressive_strength: 20.1 MPa";
+    let none = ["plate.yaml:15:", "no bond can break", "remove `loading`"];
+    assert_plate(both, "", &none);
+    let tensile = "tensile_strength: 2.01 MPa, ";
+    let unit = ["plate.yaml:7:", "is a length", "must be a pressure"];
+    assert_plate(tensile, "tensile_strength: 2.01 mm, ", &unit);
+    let sign = ["plate.yaml:7:", "not positive"];
+    assert_plate(tensile, "tensile_strength: -2.01 MPa, ", &sign);
+    assert_plate(tensile, "", &["plate.yaml:7:", "needs a tensile strength"]);
+    let two = ["plate.yaml:7:", "remove one of"];
+    assert_plate(
+        both,
+        ", tensile_strength: 2 MPa, energy_release_rate: 1 J/m^2",
+        &two,
+    );
+    let rate = ["plate.yaml:7:", "is a pressure", "energy per area"];
+    assert_plate(both, ", energy_release_rate: 1 Pa", &rate);
+}
+
 #[test]
 fn keys_and_values() {
     assert_edit(

@@ -275,6 +275,7 @@ fn every_key_and_word_of_a_pipeline_is_described() {
         "coupling.truss.zz=1",
         "boundary.0.zz=1",
         "boundary.0.displacement.zz=1",
+        "loading.zz=1",
         "probes.tip.zz=1",
         "output.zz=1",
         "plane=zz",
@@ -285,6 +286,8 @@ fn every_key_and_word_of_a_pipeline_is_described() {
         "regions.1.partial_area=zz",
         "coupling=zz",
         "coupling.truss.node_area=zz",
+        "loading.control=zz",
+        "loading.until=zz",
         "probes.tip.component=zz",
         "output.fields=[zz]",
     ];
@@ -344,6 +347,9 @@ fn every_field_in_the_files_is_described() {
         "regions.1.spacing=10 mm",
         "--set",
         "output.bonds=true",
+        // Meets no bond, but then damage is written.
+        "--set",
+        "cracks=[load]",
     ];
     run(&place, &[&["run", pipeline], coarse.as_slice()].concat());
     let folder = place.path().join("results/cantilever_hybrid_q8");
@@ -364,7 +370,7 @@ fn every_field_in_the_files_is_described() {
     let rows = table.split("## Errors").next().expect("a section").lines();
     let described = rows.filter_map(|row| row.strip_prefix("| `")?.split('`').next());
     assert_eq!(names, described.map(str::to_owned).collect());
-    assert_eq!(names.len(), 10);
+    assert_eq!(names.len(), 12);
 }
 
 /// Rust files below a folder.
@@ -458,7 +464,7 @@ fn the_import_table_is_that_of_the_sources() {
         );
     }
     assert_eq!(described, found);
-    assert_eq!(described.len(), 19);
+    assert_eq!(described.len(), 21);
 }
 
 #[test]

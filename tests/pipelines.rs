@@ -1,10 +1,11 @@
 //! Every file of pipelines/ runs through the binary and gives its number: Table 1 of Qian et al.
-//! (2021) and σL/E of the bar in finite elements.
+//! (2021) and σL/E of the bar in finite elements; the steps of the paper's two plates.
 
 mod workplace;
 
 use serde_json::Value;
 use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
 use std::process::Command;
 use workplace::{BINARY, repository};
 
@@ -19,6 +20,12 @@ const CASES: [(&str, f64, f64); 5] = [
     ("cantilever_fem_q8", 1.0468e-5, PRINTED),
     // Exact: what is left is rounding.
     ("cantilever_fem_q8_rollers", 1.05e-5, 1.05e-15),
+];
+
+/// Pipeline, steps of the first break and of the separation; the paper separates at 92 and 63.
+const PLATES: [(&str, RangeInclusive<u64>, RangeInclusive<u64>); 2] = [
+    ("plate_mode_i", 43..=47, 90..=94),
+    ("plate_two_cracks", 28..=30, 62..=64),
 ];
 
 fn run(name: &str, more: &[&str]) -> Value {
@@ -78,6 +85,29 @@ fn finite_elements_on_rollers_are_exact() {
     assert_tip(4);
 }
 
+fn assert_plate(index: usize) {
+    let (name, onset, separation) = &PLATES[index];
+    let summary = run(name, &["--set", "output.every=1000"]);
+    assert_eq!(summary["outcome"], "separated", "{name}");
+    let fracture = &summary["fracture"];
+    let step = |point: &str| fracture[point]["step"].as_u64().expect("a step");
+    assert!(onset.contains(&step("first_break")), "{name}: {fracture}");
+    assert!(separation.contains(&step("end")), "{name}: {fracture}");
+    // The start, the first break and the end have frames whatever `output.every` says.
+    let frames = serde_json::json!([0, step("first_break"), step("end")]);
+    assert_eq!(fracture["frames"], frames, "{name}");
+}
+
+#[test]
+fn the_plate_with_one_crack() {
+    assert_plate(0);
+}
+
+#[test]
+fn the_plate_with_two_cracks() {
+    assert_plate(1);
+}
+
 #[test]
 fn every_pipeline_is_tested() {
     let folder = std::fs::read_dir(repository().join("pipelines")).expect("a folder");
@@ -88,7 +118,9 @@ fn every_pipeline_is_tested() {
             .to_string_lossy()
             .into_owned()
     });
-    let tested: BTreeSet<String> = CASES.iter().map(|case| case.0.to_owned()).collect();
+    let plates = PLATES.iter().map(|plate| plate.0);
+    let cases = CASES.iter().map(|case| case.0).chain(plates);
+    let tested: BTreeSet<String> = cases.map(str::to_owned).collect();
     assert_eq!(stems.collect::<BTreeSet<_>>(), tested);
 }
 

@@ -99,11 +99,12 @@ pub fn run<E: From<StaticsError>>(
     phases: &mut Phases,
     mut observe: impl FnMut(&State, Record, &Solution) -> Result<(), E>,
 ) -> Result<Ending, E> {
+    // Decided from the state alone, so that a run resumed behind its last step ends there too.
+    if let Some(ending) = ending(problem, state) {
+        return Ok(ending);
+    }
     let mut response = Response::new(problem, state, phases)?;
     loop {
-        if state.step == problem.until.steps {
-            return Ok(Ending::StepLimit);
-        }
         let Some(load_factor) = response.next_load(problem, state) else {
             return Ok(Ending::NothingLeftToBreak);
         };
@@ -113,7 +114,7 @@ pub fn run<E: From<StaticsError>>(
             passes: 0,
             residual: 0.0,
         };
-        let settled = loop {
+        let last_broken = loop {
             state.advance(problem.model, problem.boundary, &response.unit, load_factor);
             let broken = response.break_bonds(problem, state);
             record.broken += broken;
@@ -122,23 +123,36 @@ pub fn run<E: From<StaticsError>>(
             match problem.control {
                 Control::Equilibrium { most_passes } if broken > 0 => {
                     if record.passes == most_passes {
-                        break false;
+                        break broken;
                     }
                     response.refresh(state, phases)?;
                 }
-                _ => break true,
+                _ => break broken,
             }
         };
         observe(state, record, &response.unit)?;
-        if problem.until.separated && state.energy.force.abs() < SEPARATED * state.peak_force {
-            return Ok(Ending::Separated);
+        if let Some(ending) = ending(problem, state) {
+            return Ok(ending);
         }
-        if !settled {
-            return Ok(Ending::PassLimit);
-        }
-        if record.broken > 0 {
+        if last_broken > 0 {
             response.refresh(state, phases)?;
         }
+    }
+}
+
+/// Whether the run ends with this state.
+fn ending(problem: &Problem, state: &State) -> Option<Ending> {
+    let Problem { control, until, .. } = problem;
+    let is_equilibrium = matches!(control, Control::Equilibrium { .. });
+    if until.separated && state.energy.force.abs() < SEPARATED * state.peak_force {
+        Some(Ending::Separated)
+    } else if is_equilibrium && !state.just_broken.is_empty() {
+        // The passes did not suffice: a step that has settled leaves no bond freshly broken.
+        Some(Ending::PassLimit)
+    } else if state.step == until.steps {
+        Some(Ending::StepLimit)
+    } else {
+        None
     }
 }
 

@@ -1,5 +1,6 @@
 //! The results folder: one writer at a time, drafts, and removal of what the stages wrote.
 
+use super::fracture::{forget_checkpoint, forget_frames};
 use super::plan::Plan;
 use super::run::RunError;
 use super::stamp::{self, Stage};
@@ -96,6 +97,8 @@ pub fn clean(plan: &Plan) -> Result<usize, RunError> {
         remove(&partial_name(&stamp::path(folder, stage)))?;
     }
     remove_folder(&folder.join(DRAFT_FOLDER))?;
+    forget_checkpoint(folder)?;
+    forget_frames(folder)?;
     drop(lock);
     remove(&folder.join(LOCK_FILE))?;
     // Both fail where the user keeps something there.

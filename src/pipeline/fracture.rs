@@ -10,10 +10,10 @@ use crate::boundary::Boundary;
 use crate::fracture::control::{self, Ending, Problem, Record};
 use crate::fracture::state::{Energy, Limits, State};
 use crate::model::Model;
-use crate::output::write_whole;
+use crate::output::{partial_name, write_whole};
 use crate::phases::Phases;
 use crate::springs;
-use crate::statics::{Solution, group_reactions};
+use crate::statics::{Solution, SystemSize, group_reactions};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::io::Write;
@@ -123,6 +123,10 @@ struct Checkpoint {
     energy: [f64; 4],
     peak_force: f64,
     just_broken: Vec<(u32, f64)>,
+    /// The last response to λ = 1, displacements apart.
+    reaction: Vec<[f64; 2]>,
+    residual: f64,
+    size: [usize; 3],
     history: Vec<Line>,
     frames: Vec<usize>,
 }
@@ -147,6 +151,20 @@ impl Checkpoint {
             just_broken: self.just_broken.clone(),
         }
     }
+
+    fn unit(&self) -> Solution {
+        let [dofs, stiffness_entries, factor_entries] = self.size;
+        Solution {
+            displacement: Vec::new(),
+            reaction: self.reaction.clone(),
+            residual: self.residual,
+            size: SystemSize {
+                dofs,
+                stiffness_entries,
+                factor_entries,
+            },
+        }
+    }
 }
 
 /// Runs from the start, or from the checkpoint of an interrupted run of the same recipe.
@@ -162,20 +180,20 @@ pub(super) fn run(
     observer: &mut dyn Observer,
     phases: &mut Phases,
 ) -> Result<Fractured, RunError> {
-    let limits = limits(plan, model)?;
+    let limits = limits(plan, model);
     let mut writer = Writer::new(plan, model, boundary, &limits, recipe)?;
-    let mut state = match writer.resume()? {
-        Some(state) => {
+    let (mut state, mut last) = match writer.resume()? {
+        Some((state, unit)) => {
             observer.warns(&format!(
                 "an interrupted run goes on after step {}",
                 state.step
             ));
-            state
+            (state, Some(unit))
         }
         None => {
             let state = State::new(model, boundary);
             writer.frame(&state)?;
-            state
+            (state, None)
         }
     };
     let lost: usize = state.fragments.iter().map(Vec::len).sum();
@@ -194,7 +212,6 @@ pub(super) fn run(
     };
     let start = Instant::now();
     let first = state.step;
-    let mut last = None;
     let ending = control::run(&problem, &mut state, phases, |state, record, unit| {
         writer.step(state, record, unit)?;
         last = Some(unit.clone());
@@ -218,7 +235,7 @@ pub(super) fn run(
     writer.frame(&state)?;
     let unit = match last {
         Some(unit) => unit,
-        // Resumed behind its last step: the response is needed once more.
+        // No step was possible.
         None => control::unit_response(&problem, &mut state, phases)?,
     };
     writer.finish(&state, unit, ending)
@@ -247,8 +264,6 @@ impl<'a> Writer<'a> {
         limits: &Limits,
         recipe: &str,
     ) -> Result<Writer<'a>, RunError> {
-        let folder = plan.folder.join(FRAMES_FOLDER);
-        fs::create_dir_all(&folder).map_err(|source| file_error("create", &folder, source))?;
         let csv_path = plan.folder.join(HISTORY_FILE);
         let csv = File::options().create(true).append(true).open(&csv_path);
         let csv = csv.map_err(|source| file_error("create", &csv_path, source))?;
@@ -274,11 +289,15 @@ impl<'a> Writer<'a> {
         })
     }
 
-    /// The state of the checkpoint, if it is of this recipe; history and frames go on from there.
-    fn resume(&mut self) -> Result<Option<State>, RunError> {
+    /// State and last response of the checkpoint, if it is of this recipe; history and frames go on
+    /// from there.
+    fn resume(&mut self) -> Result<Option<(State, Solution)>, RunError> {
         let bytes = fs::read(self.plan.folder.join(CHECKPOINT_FILE)).unwrap_or_default();
         let stored: Option<Checkpoint> = postcard::from_bytes(&bytes).ok();
-        let stored = stored.filter(|checkpoint| checkpoint.recipe == self.recipe);
+        let has_frame = |&step: &usize| self.plan.folder.join(frame_file(step)).is_file();
+        let stored = stored.filter(|checkpoint| {
+            checkpoint.recipe == self.recipe && checkpoint.frames.iter().all(has_frame)
+        });
         let mut text = format!("{HEADER}\n");
         if let Some(checkpoint) = &stored {
             self.history.clone_from(&checkpoint.history);
@@ -286,11 +305,15 @@ impl<'a> Writer<'a> {
             self.history
                 .iter()
                 .for_each(|line| text += &format!("{}\n", line.csv()));
+        } else {
+            forget_frames(&self.plan.folder)?;
+            let folder = self.plan.folder.join(FRAMES_FOLDER);
+            fs::create_dir_all(&folder).map_err(|source| file_error("create", &folder, source))?;
         }
         write_whole(&self.csv_path, text.as_bytes())?;
         let csv = File::options().append(true).open(&self.csv_path);
         self.csv = csv.map_err(|source| file_error("write", &self.csv_path, source))?;
-        Ok(stored.map(|checkpoint| checkpoint.state()))
+        Ok(stored.map(|checkpoint| (checkpoint.state(), checkpoint.unit())))
     }
 
     fn step(&mut self, state: &State, record: Record, unit: &Solution) -> Result<(), RunError> {
@@ -302,7 +325,7 @@ impl<'a> Writer<'a> {
         if first_break || state.step.is_multiple_of(self.plan.output.every) {
             self.frame(state)?;
         }
-        self.checkpoint(state)
+        self.checkpoint(state, unit)
     }
 
     fn line(&self, state: &State, record: Record, unit: &Solution) -> Line {
@@ -348,7 +371,7 @@ impl<'a> Writer<'a> {
         Ok(write_whole(&path, &encode(&frame))?)
     }
 
-    fn checkpoint(&self, state: &State) -> Result<(), RunError> {
+    fn checkpoint(&self, state: &State, unit: &Solution) -> Result<(), RunError> {
         let Energy {
             external,
             elastic,
@@ -366,6 +389,13 @@ impl<'a> Writer<'a> {
             energy: [external, elastic, dissipated, force],
             peak_force: state.peak_force,
             just_broken: state.just_broken.clone(),
+            reaction: unit.reaction.clone(),
+            residual: unit.residual,
+            size: [
+                unit.size.dofs,
+                unit.size.stiffness_entries,
+                unit.size.factor_entries,
+            ],
             history: self.history.clone(),
             frames: self.frames.clone(),
         };
@@ -393,7 +423,28 @@ impl<'a> Writer<'a> {
 
 /// An interrupted run cannot go on from here.
 pub(super) fn forget_checkpoint(folder: &Path) -> Result<(), RunError> {
-    remove(&folder.join(CHECKPOINT_FILE))
+    let path = folder.join(CHECKPOINT_FILE);
+    remove(&partial_name(&path))?;
+    remove(&path)
+}
+
+/// Frames of another recipe, or of an interrupted run that no manifest lists. What else is in their
+/// folder is the user's.
+pub(super) fn forget_frames(folder: &Path) -> Result<(), RunError> {
+    let frames = folder.join(FRAMES_FOLDER);
+    let is_frame = |name: &str| {
+        let name = name.strip_suffix(".partial").unwrap_or(name);
+        let digits = name.strip_suffix(".bin").unwrap_or_default();
+        !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit())
+    };
+    for entry in fs::read_dir(&frames).into_iter().flatten().flatten() {
+        if entry.file_name().to_str().is_some_and(is_frame) {
+            remove(&entry.path())?;
+        }
+    }
+    // Fails where the user keeps something there, or where there is none.
+    let _ = fs::remove_dir(&frames);
+    Ok(())
 }
 
 /// ½ k (ξ s_t)² / (G h_t) of every spring, with G = c0 s_t² M3: the length of crack that its breaking

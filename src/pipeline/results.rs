@@ -214,6 +214,11 @@ impl Outcome<'_> {
             Field::scalar(FieldName::Stiffness, of_stiff(&model.springs.stiffness)),
             Field::integer(FieldName::Truss, is_truss),
         ];
+        if self.has_damage() {
+            let intact = stiff.iter().map(|&s| i32::from(frame.intact[s]));
+            let intact = Field::integer(FieldName::Intact, intact.collect());
+            part.cell_data.push(intact);
+        }
         part
     }
 

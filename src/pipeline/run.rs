@@ -399,7 +399,7 @@ impl Run<'_> {
         if self.options.force {
             forget_checkpoint(&self.plan.folder)?;
         }
-        // Frames of an unfinished run are known to `clean` and to the next run.
+        // From here on the stage is unfinished; its history is known to `clean`.
         self.begin(Stage::Solve, &[HISTORY_FILE.to_owned()])?;
         let recipe = serde_json::to_string(recipe).expect("a recipe is plain data");
         let Fractured {

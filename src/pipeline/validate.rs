@@ -19,6 +19,7 @@ pub fn discretise(plan: &Plan, mesh: Mesh) -> Result<(Model, Boundary), InputErr
     let regions = regions(plan, &mesh)?;
     check_groups(plan, &mesh)?;
     let cracks = cracks(plan, &mesh)?;
+    check_no_fail(plan, &mesh)?;
     let model = Model::build(mesh, regions, plan.model).map_err(|e| model_error(plan, &e))?;
     let model = model.with_cracks(&cracks);
     let mut boundary = Boundary::new(&model);
@@ -174,11 +175,8 @@ fn cracks(plan: &Plan, mesh: &Mesh) -> Result<Cracks, InputError> {
 
 /// The critical stretch of every bond and truss. Bonds with an end in a `no_fail` surface never
 /// break, nor do trusses unless the pipeline says so.
-///
-/// # Errors
-/// An unknown surface.
-pub fn limits(plan: &Plan, model: &Model) -> Result<Limits, InputError> {
-    let unbreakable = unbreakable_points(plan, model)?;
+pub fn limits(plan: &Plan, model: &Model) -> Limits {
+    let unbreakable = unbreakable_points(plan, model);
     let mut table = vec![CriticalStretch::UNBREAKABLE];
     let mut class_of = vec![0; model.regions.len()];
     for points in &model.points {
@@ -201,26 +199,33 @@ pub fn limits(plan: &Plan, model: &Model) -> Result<Limits, InputError> {
             .map_or(0, |region| class_of[region])
     };
     let class = model.springs.ends.iter().enumerate().map(class).collect();
-    Ok(Limits { table, class })
+    Limits { table, class }
 }
 
-fn unbreakable_points(plan: &Plan, model: &Model) -> Result<Vec<bool>, InputError> {
+fn check_no_fail(plan: &Plan, mesh: &Mesh) -> Result<(), InputError> {
+    let is_unknown = |name: &String| !mesh.surfaces.contains_key(name);
+    let Some(index) = plan.no_fail.iter().position(is_unknown) else {
+        return Ok(());
+    };
+    let name = &plan.no_fail[index];
+    let file = plan.geometry.file.display();
+    let message = format!("there is no physical surface `{name}` in {file}");
+    let help = choices(name, mesh.surfaces.keys().map(String::as_str));
+    let key = format!("no_fail/{index}");
+    Err(plan.source.error(&key, message, Some(help)))
+}
+
+fn unbreakable_points(plan: &Plan, model: &Model) -> Vec<bool> {
     let mut unbreakable = vec![false; model.node_count()];
-    for (index, name) in plan.no_fail.iter().enumerate() {
-        let Some(cells) = model.mesh.surfaces.get(name) else {
-            let file = plan.geometry.file.display();
-            let message = format!("there is no physical surface `{name}` in {file}");
-            let help = choices(name, model.mesh.surfaces.keys().map(String::as_str));
-            return Err(plan
-                .source
-                .error(&format!("no_fail/{index}"), message, Some(help)));
-        };
-        let outline = Outline::of_cells(&model.mesh, cells);
-        for node in model.fe_node_count()..model.node_count() {
-            unbreakable[node] |= outline.contains(model.positions[node]);
+    for name in &plan.no_fail {
+        let cells = model.mesh.surfaces.get(name);
+        let outline = Outline::of_cells(&model.mesh, cells.map_or(&[], Vec::as_slice));
+        let points = unbreakable.iter_mut().zip(&model.positions);
+        for (unbreakable, &position) in points.skip(model.fe_node_count()) {
+            *unbreakable |= outline.contains(position);
         }
     }
-    Ok(unbreakable)
+    unbreakable
 }
 
 fn model_error(plan: &Plan, error: &ModelError) -> InputError {

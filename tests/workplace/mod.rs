@@ -35,6 +35,27 @@ probes:
   tip: { at: [1000 mm, 100 mm], component: x, reference: 1.05e-5 m }
 ";
 
+/// The paper's plate with one crack, 50 × 20 points: separated after 145 steps, in a third of a
+/// second.
+pub const PLATE: &str = "\
+name: plate
+geometry:
+  file: geo/plate.geo
+  unit: mm
+  parameters: { element: 5, order: 2, crack: 10, band: 20 }
+materials:
+  rock: { young: 30 GPa, poisson: 1/3, tensile_strength: 2.01 MPa, compressive_strength: 20.1 MPa }
+regions:
+  - { group: grips, model: fem, material: rock }
+  - { group: band, model: peridynamics, material: rock, spacing: 1 mm, horizon: 3 }
+cracks: [crack]
+boundary:
+  - { group: top, displacement: { x: 0, y: 2.0e-8 m } }
+  - { group: bottom, displacement: { x: 0, y: -2.0e-8 m } }
+loading: { control: one-pass, steps: 200 }
+output: { every: 7, pictures: false }
+";
+
 pub fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -90,6 +111,15 @@ impl Workplace {
         std::fs::create_dir(place.path("geo")).expect("a new folder");
         std::fs::copy(geometry, place.path("geo/bar.geo")).expect("the geometry");
         place.write("bar.yaml", PIPELINE);
+        place
+    }
+
+    /// The same with the small plate, as `plate.yaml`.
+    pub fn with_plate() -> Workplace {
+        let place = Workplace::new();
+        let geometry = repository().join("geo/plate_mode_i.geo");
+        std::fs::copy(geometry, place.path("geo/plate.geo")).expect("the geometry");
+        place.write("plate.yaml", PLATE);
         place
     }
 

@@ -1,0 +1,606 @@
+//! When bonds break, what that costs and where it ends, on lattices small enough to count bonds.
+
+mod common;
+
+use common::*;
+use peristitch::boundary::Boundary;
+use peristitch::cracks::Cracks;
+use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Until};
+use peristitch::fracture::failure::{CriticalStretch, Strength};
+use peristitch::fracture::state::{Limits, State, damage};
+use peristitch::material::PlaneState;
+use peristitch::mesh::{CellKind, Edge, Mesh};
+use peristitch::model::{Method, Model, PeridynamicSettings};
+use peristitch::peridynamics::lattice::Placement;
+use peristitch::phases::Phases;
+use peristitch::pipeline::plan::Plan;
+use peristitch::pipeline::validate;
+use peristitch::springs;
+use peristitch::statics::{Solution, Solver, StaticsError};
+use peristitch::support;
+use std::collections::BTreeSet;
+
+const DX: f64 = 2.5e-3;
+/// Tensile and compressive strength of the plate [Pa].
+const STRENGTH: [f64; 2] = [2e6, 20e6];
+/// Prescribed on either grip per unit of the load factor [m].
+const STEP: f64 = 5e-8;
+
+/// 40 × `rows` points alone, with the given cracks.
+fn lattice(rows: usize, cracks: &[[[f64; 2]; 2]]) -> Model {
+    let grid = Grid {
+        size: [40.0 * DX, rows as f64 * DX],
+        count: [4, 4],
+        kind: CellKind::Quad4,
+    };
+    let mut mesh = grid.plain();
+    name_cells(&mut mesh, "points", |_| true);
+    let method = Method::Peridynamics(paper_lattice(DX, Placement::CellCentred));
+    let curve = curve(&mut mesh, cracks);
+    let regions = vec![region(&mesh, &["points"], steel(), method)];
+    let cracks = Cracks::new(&mesh, &curve);
+    build(mesh, regions, PlaneState::Stress).with_cracks(&cracks)
+}
+
+/// Straight edges between nodes of their own.
+fn curve(mesh: &mut Mesh, segments: &[[[f64; 2]; 2]]) -> Vec<Edge> {
+    let mut edges = Vec::new();
+    for &[a, b] in segments {
+        let first = mesh.nodes.len();
+        mesh.nodes.extend([a, b]);
+        edges.push(Edge {
+            ends: [first, first + 1],
+            middle: None,
+        });
+    }
+    edges
+}
+
+/// 100 × 100 mm: grips of finite elements below and above 40 × 24 points, pulled at both ends.
+struct Plate {
+    model: Model,
+    boundary: Boundary,
+    limits: Limits,
+}
+
+impl Plate {
+    fn new(cracks: &[[[f64; 2]; 2]]) -> Plate {
+        let grid = Grid {
+            size: [0.1, 0.1],
+            count: [10, 10],
+            kind: CellKind::Quad4,
+        };
+        let mut mesh = grid.plain();
+        name_cells(&mut mesh, "grips", |[_, y]| (y - 0.05).abs() > 0.03);
+        name_cells(&mut mesh, "points", |[_, y]| (y - 0.05).abs() < 0.03);
+        name_curve(&mut mesh, "top", |[_, y]| y > 0.1 - 1e-9);
+        name_curve(&mut mesh, "bottom", |[_, y]| y < 1e-9);
+        let settings = PeridynamicSettings {
+            horizon_ratio: 3.0,
+            ..paper_lattice(DX, Placement::CellCentred)
+        };
+        let method = Method::Peridynamics(settings);
+        let curve = curve(&mut mesh, cracks);
+        let cracks = Cracks::new(&mesh, &curve);
+        let regions = vec![
+            region(&mesh, &["grips"], steel(), Method::FiniteElements),
+            region(&mesh, &["points"], steel(), method),
+        ];
+        let model = build(mesh, regions, PlaneState::Stress).with_cracks(&cracks);
+        let mut boundary = Boundary::new(&model);
+        for (group, sign) in [("top", 1.0), ("bottom", -1.0)] {
+            let u = [Some(0.0), Some(sign * STEP)];
+            boundary.displace(&model, group, u).expect("a grip");
+        }
+        let limits = limits(&model);
+        Plate {
+            model,
+            boundary,
+            limits,
+        }
+    }
+
+    /// Half of the width cracked from the left at mid-height.
+    fn notched() -> Plate {
+        Plate::new(&[[[0.0, 0.05], [0.05, 0.05]]])
+    }
+
+    fn run(&self, state: &mut State, control: Control, steps: usize) -> (Ending, Vec<Step>) {
+        let problem = Problem {
+            model: &self.model,
+            boundary: &self.boundary,
+            limits: &self.limits,
+            control,
+            until: Until {
+                steps,
+                separated: true,
+            },
+        };
+        let mut list = Vec::new();
+        let observe = |state: &State, record: Record, _: &Solution| {
+            list.push(Step {
+                state: state.clone(),
+                record,
+            });
+            Ok::<(), StaticsError>(())
+        };
+        let ending = control::run(&problem, state, &mut Phases::default(), observe);
+        (ending.expect("no error"), list)
+    }
+
+    fn start(&self) -> State {
+        State::new(&self.model, &self.boundary)
+    }
+}
+
+struct Step {
+    state: State,
+    record: Record,
+}
+
+/// Bonds as strong as [`STRENGTH`]; trusses never break.
+fn limits(model: &Model) -> Limits {
+    let [tensile, compressive] = STRENGTH;
+    let strength = Strength::Stress {
+        tensile,
+        compressive: Some(compressive),
+    };
+    let young = steel().young;
+    let micromodulus = &model.points[0].micromodulus;
+    let class = |spring| u8::from(spring < model.bond_count);
+    Limits {
+        table: vec![
+            CriticalStretch::UNBREAKABLE,
+            CriticalStretch::new(strength, young, micromodulus),
+        ],
+        class: (0..model.springs.len()).map(class).collect(),
+    }
+}
+
+fn stretch(model: &Model, spring: usize, displacement: &[[f64; 2]]) -> f64 {
+    springs::stretch(model.springs.ends[spring], &model.positions, displacement)
+}
+
+fn length(model: &Model, spring: usize) -> f64 {
+    springs::axis(model.springs.ends[spring], &model.positions).0
+}
+
+#[test]
+fn damage_of_the_row_beside_a_straight_crack() {
+    let y = 10.0 * DX;
+    let model = lattice(20, &[[[0.0, y], [40.0 * DX, y]]]);
+    let beside = nearest(&model.positions, [20.5 * DX, y - 0.5 * DX]);
+    let found = damage(&model, &model.intact)[beside];
+    // 20 of 48 neighbours lie behind the crack.
+    assert!((found - 20.0 / 48.0).abs() < 1e-12, "{found}");
+    assert_eq!(format!("{found:.4}"), "0.4167");
+    // Without the four of exactly δ, where the kernel is zero: 19 of 44.
+    let horizon = model.points[0].micromodulus.horizon;
+    let has = |spring: &usize| model.springs.ends[*spring].contains(&(beside as u32));
+    let shorter = |spring: &usize| length(&model, *spring) < (1.0 - 1e-9) * horizon;
+    let family: Vec<usize> = (0..model.bond_count).filter(has).filter(shorter).collect();
+    let broken = family
+        .iter()
+        .filter(|&&spring| !model.intact[spring])
+        .count();
+    assert_eq!([broken, family.len()], [19, 44]);
+    assert_eq!(
+        format!("{:.4}", broken as f64 / family.len() as f64),
+        "0.4318"
+    );
+    // Far from the crack there is none.
+    let far = nearest(&model.positions, [20.5 * DX, 0.5 * DX]);
+    assert_eq!(damage(&model, &model.intact)[far], 0.0);
+}
+
+/// The energy at s0 of all bonds across a cut, per length, over G0 = c0 s0² M3. The cut runs along
+/// `direction`; bonds are counted that cross it within `periods` of the lattice.
+fn discrete_energy_release_rate(direction: [f64; 2], period: f64, periods: f64) -> f64 {
+    let model = lattice(40, &[]);
+    // A quarter of a cell off the middle, so that no point lies on the cut.
+    let through = [20.0 * DX, 20.25 * DX];
+    let micromodulus = &model.points[0].micromodulus;
+    let normal = [-direction[1], direction[0]];
+    let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+    let window = periods * period;
+    let s0 = 1e-4;
+    let mut energy = 0.0;
+    for spring in 0..model.bond_count {
+        let [a, b] = model.springs.ends[spring].map(|node| {
+            let x = model.positions[node as usize];
+            [x[0] - through[0], x[1] - through[1]]
+        });
+        let sides = [a, b].map(|x| dot(x, normal));
+        if sides[0] * sides[1] >= 0.0 {
+            continue;
+        }
+        let share = sides[0] / (sides[0] - sides[1]);
+        let along = dot(a, direction) + share * (dot(b, direction) - dot(a, direction));
+        // Shifted by an odd share of a period: no crossing on the window's ends.
+        if (0.0..window).contains(&(along + 0.5 * window - 0.123 * period)) {
+            energy += 0.5 * model.springs.stiffness[spring] * (s0 * length(&model, spring)).powi(2);
+        }
+    }
+    let g0 = micromodulus.c0 * s0 * s0 * micromodulus.third_moment();
+    energy / (window * model.settings.thickness) / g0
+}
+
+#[test]
+fn discrete_energy_release_rate_along_the_axis_and_at_45_degrees() {
+    let straight = discrete_energy_release_rate([1.0, 0.0], DX, 8.0);
+    assert_eq!(format!("{straight:.4}"), "0.9849");
+    let half = 0.5f64.sqrt();
+    let oblique = discrete_energy_release_rate([half, half], DX / half, 8.0);
+    assert_eq!(format!("{oblique:.4}"), "0.9947");
+}
+
+/// u = ε·x with the given ε_xx and ε_yy.
+fn strained(model: &Model, [xx, yy]: [f64; 2]) -> Vec<[f64; 2]> {
+    model
+        .positions
+        .iter()
+        .map(|[x, y]| [xx * x, yy * y])
+        .collect()
+}
+
+#[test]
+fn both_branches_break_exactly_what_is_over_its_limit() {
+    let model = lattice(12, &[]);
+    let boundary = Boundary::new(&model);
+    let limits = limits(&model);
+    let [tension, compression] = STRENGTH.map(|strength| strength / steel().young);
+    for (strain, share) in [
+        ([1.5 * tension, 0.0], "tension"),
+        ([0.0, -1.5 * compression], "compression"),
+        ([0.9 * tension, -0.9 * compression], "neither"),
+    ] {
+        let mut state = State::new(&model, &boundary);
+        state.displacement = strained(&model, strain);
+        let broken = state.break_exceeded(&model, &boundary, &limits);
+        let over = |&spring: &usize| {
+            let s = stretch(&model, spring, &state.displacement);
+            s > tension || s < -compression
+        };
+        let expected: Vec<usize> = (0..model.springs.len()).filter(over).collect();
+        let gone = |&spring: &usize| !state.intact[spring];
+        assert!(
+            (0..model.springs.len())
+                .filter(gone)
+                .eq(expected.iter().copied()),
+            "{share}"
+        );
+        assert_eq!(broken, expected.len());
+        assert_eq!(broken == 0, share == "neither", "{share}: {broken}");
+        assert_eq!(state.broken(&model), broken);
+    }
+}
+
+#[test]
+fn without_a_compressive_strength_compression_breaks_nothing() {
+    let model = lattice(12, &[]);
+    let boundary = Boundary::new(&model);
+    let mut limits = limits(&model);
+    for limit in &mut limits.table {
+        limit.compression = f64::INFINITY;
+    }
+    let mut state = State::new(&model, &boundary);
+    state.displacement = strained(&model, [-1.0, -1.0]);
+    assert_eq!(state.break_exceeded(&model, &boundary, &limits), 0);
+}
+
+#[test]
+fn unloading_and_loading_again_heal_nothing() {
+    let model = lattice(12, &[]);
+    let boundary = Boundary::new(&model);
+    let limits = limits(&model);
+    let large = 1.5 * STRENGTH[0] / steel().young;
+    let mut state = State::new(&model, &boundary);
+    state.displacement = strained(&model, [large, 0.0]);
+    assert!(state.break_exceeded(&model, &boundary, &limits) > 0);
+    let intact = state.intact.clone();
+    for strain in [0.0, -large, 0.5 * large, large] {
+        state.displacement = strained(&model, [strain, 0.0]);
+        assert_eq!(
+            state.break_exceeded(&model, &boundary, &limits),
+            0,
+            "{strain}"
+        );
+        assert_eq!(state.intact, intact);
+    }
+}
+
+#[test]
+fn event_driven_balances_energy_and_traces_the_snap_back() {
+    let plate = Plate::notched();
+    let (ending, steps) = plate.run(&mut plate.start(), Control::EventDriven, 10_000);
+    assert_eq!(ending, Ending::Separated);
+    let mut largest = 0.0f64;
+    for Step { state, .. } in &steps {
+        let energy = state.energy;
+        let balance = energy.external - energy.elastic - energy.dissipated;
+        largest = largest.max((balance / energy.external).abs());
+    }
+    // Some hundred sums and solves, each exact to 1e-15 or so.
+    assert!(largest < 1e-10, "{largest:e}");
+    let load: Vec<f64> = steps.iter().map(|step| step.state.load_factor).collect();
+    assert!(
+        load.windows(2).any(|pair| pair[1] < pair[0]),
+        "no snap-back"
+    );
+    assert!(
+        load.windows(2).any(|pair| pair[1] > pair[0]),
+        "no lattice trapping"
+    );
+    let peak = load.iter().copied().fold(0.0, f64::max);
+    assert!(
+        peak <= 1.05 * load[0],
+        "{peak} after an onset at {}",
+        load[0]
+    );
+    let lowest = load.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(
+        lowest < 0.9 * load[0],
+        "{lowest} after an onset at {}",
+        load[0]
+    );
+    // What has broken stays broken, though the load falls.
+    for pair in steps.windows(2) {
+        let (before, after) = (&pair[0].state.intact, &pair[1].state.intact);
+        assert!(
+            before
+                .iter()
+                .zip(after)
+                .all(|(before, after)| *before || !*after)
+        );
+        assert!(pair[1].record.broken > 0);
+    }
+}
+
+#[test]
+fn the_onset_is_the_same_under_every_control() {
+    let plate = Plate::notched();
+    let (_, events) = plate.run(&mut plate.start(), Control::EventDriven, 1);
+    let onset = events[0].state.load_factor;
+    for control in [Control::OnePass, Control::Equilibrium { most_passes: 1000 }] {
+        let (_, steps) = plate.run(&mut plate.start(), control, 1000);
+        let first = steps
+            .iter()
+            .find(|step| step.record.broken > 0)
+            .expect("a break");
+        assert_eq!(
+            first.state.step,
+            onset.ceil() as usize,
+            "{control:?}, {onset}"
+        );
+    }
+}
+
+#[test]
+fn in_equilibrium_no_bond_is_over_its_limit() {
+    let plate = Plate::notched();
+    let control = Control::Equilibrium { most_passes: 1000 };
+    let (ending, steps) = plate.run(&mut plate.start(), control, 1000);
+    assert_eq!(ending, Ending::Separated);
+    assert!(steps.iter().any(|step| step.record.passes > 2));
+    for Step { state, record } in &steps {
+        for spring in (0..plate.model.springs.len()).filter(|&spring| state.intact[spring]) {
+            let s = stretch(&plate.model, spring, &state.displacement);
+            assert!(
+                !plate.limits.of(spring).is_exceeded(s),
+                "step {}",
+                state.step
+            );
+        }
+        let energy = state.energy;
+        let balance = energy.external - energy.elastic - energy.dissipated;
+        assert!(
+            balance.abs() < 1e-10 * energy.external,
+            "step {}",
+            state.step
+        );
+        assert_eq!(record.broken == 0, record.passes == 1);
+    }
+}
+
+#[test]
+fn too_few_passes_end_the_run_and_are_no_error() {
+    let plate = Plate::notched();
+    let mut state = plate.start();
+    let control = Control::Equilibrium { most_passes: 1 };
+    let (ending, steps) = plate.run(&mut state, control, 1000);
+    assert_eq!(ending, Ending::PassLimit);
+    let last = steps.last().expect("a step");
+    assert_eq!(last.record.passes, 1);
+    assert!(last.record.broken > 0);
+    // Continued from there it ends at once, as a resumed run must.
+    let (ending, more) = plate.run(&mut state, control, 1000);
+    assert_eq!((ending, more.len()), (Ending::PassLimit, 0));
+}
+
+#[test]
+fn steps_are_limited_and_a_run_goes_on_from_its_state() {
+    let plate = Plate::notched();
+    for control in [
+        Control::OnePass,
+        Control::Equilibrium { most_passes: 1000 },
+        Control::EventDriven,
+    ] {
+        let (_, whole) = plate.run(&mut plate.start(), control, 31);
+        let mut state = plate.start();
+        let mut pieces = Vec::new();
+        for steps in (3..=31).step_by(7) {
+            let (ending, piece) = plate.run(&mut state, control, steps);
+            pieces.extend(piece);
+            if ending != Ending::StepLimit {
+                break;
+            }
+            assert_eq!(state.step, steps);
+        }
+        assert_eq!(pieces.len(), whole.len(), "{control:?}");
+        for (piece, whole) in pieces.iter().zip(&whole) {
+            assert!(
+                piece.state == whole.state,
+                "{control:?}, step {}",
+                whole.state.step
+            );
+        }
+        // Behind the end nothing happens.
+        assert_eq!(plate.run(&mut state, control, 31).1.len(), 0, "{control:?}");
+    }
+}
+
+#[test]
+fn nothing_left_to_break() {
+    let mut plate = Plate::notched();
+    plate.limits.class.fill(0);
+    let (ending, steps) = plate.run(&mut plate.start(), Control::EventDriven, 1000);
+    assert_eq!((ending, steps.len()), (Ending::NothingLeftToBreak, 0));
+    let (ending, steps) = plate.run(&mut plate.start(), Control::OnePass, 20);
+    assert_eq!((ending, steps.len()), (Ending::StepLimit, 20));
+}
+
+#[test]
+fn any_number_of_threads_breaks_the_same_bonds() {
+    let courses = [1, 2].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.expect("a pool").install(|| {
+            let plate = Plate::notched();
+            plate.run(&mut plate.start(), Control::EventDriven, 40).1
+        })
+    });
+    let [one, two] = &courses;
+    assert_eq!(one.len(), two.len());
+    for (one, two) in one.iter().zip(two) {
+        assert!(one.state == two.state, "event {}", one.state.step);
+    }
+}
+
+/// A point exactly on a crack, its tips included, loses all its bonds.
+#[test]
+fn a_crack_through_a_row_of_points_isolates_them() {
+    let y = 0.05 + 0.5 * DX;
+    let ends = [0.0125 + 0.5 * DX, 0.0375 + 0.5 * DX];
+    let plate = Plate::new(&[[[ends[0], y], [ends[1], y]]]);
+    let state = plate.start();
+    let on_crack =
+        |x: [f64; 2]| (x[1] - y).abs() < 1e-9 && ends[0] - 1e-9 < x[0] && x[0] < ends[1] + 1e-9;
+    let nodes = plate.model.fe_node_count()..plate.model.node_count();
+    let expected = nodes.filter(|&node| on_crack(plate.model.positions[node]));
+    let expected: Vec<Vec<usize>> = expected.map(|node| vec![node]).collect();
+    assert_eq!(expected.len(), 11);
+    assert_eq!(state.fragments, expected);
+    let damage = damage(&plate.model, &state.intact);
+    for fragment in &expected {
+        assert_eq!(damage[fragment[0] - plate.model.fe_node_count()], 1.0);
+    }
+    // They stay where they are, and the plate around them breaks.
+    let (ending, steps) = plate.run(&mut plate.start(), Control::OnePass, 1000);
+    assert_eq!(ending, Ending::Separated);
+    let last = steps.last().expect("a step");
+    for fragment in &expected {
+        assert_eq!(last.state.displacement[fragment[0]], [0.0; 2]);
+    }
+}
+
+/// Three by three points at the free side that bonds join to one single point: they can swing about
+/// it, which no load can tell.
+#[test]
+fn a_chunk_on_a_hinge_does_not_stop_the_run() {
+    let plate = Plate::new(&[]);
+    let model = &plate.model;
+    let is_chunk = |node: u32| {
+        let [x, y] = model.positions[node as usize];
+        node as usize >= model.fe_node_count() && x < 3.0 * DX && (y - 0.05).abs() < 1.5 * DX + 1e-9
+    };
+    let chunk = (0..model.node_count() as u32).filter(|&node| is_chunk(node));
+    let chunk: BTreeSet<u32> = chunk.collect();
+    assert!(chunk.len() >= 9, "{}", chunk.len());
+    let hinge = nearest(&model.positions, [4.5 * DX, 0.05 + 0.5 * DX]) as u32;
+    let mut state = plate.start();
+    let mut joined = 0;
+    for (spring, ends) in model.springs.ends.iter().enumerate() {
+        if chunk.contains(&ends[0]) != chunk.contains(&ends[1]) {
+            state.intact[spring] = ends.contains(&hinge);
+            joined += usize::from(state.intact[spring]);
+        }
+    }
+    assert!(joined >= 2, "{joined}");
+    let fragments = support::fragments(model, &plate.boundary, &state.intact);
+    assert!(fragments.is_empty(), "the chunk is connected");
+    // For a plain solve this is an error,
+    let mut phases = Phases::default();
+    let solver = Solver::new(model, &plate.boundary, &mut phases).expect("a solver");
+    let plain = solver.solve(&state.intact, &[], &mut phases);
+    assert!(
+        matches!(plain, Err(StaticsError::Mechanism { .. })),
+        "{plain:?}"
+    );
+    // for a run one more thing that happens: one dof is held, and nothing is lost.
+    let (ending, steps) = plate.run(&mut state, Control::OnePass, 3);
+    assert_eq!((ending, steps.len()), (Ending::StepLimit, 3));
+    assert_eq!(state.mechanisms.len(), 1);
+    let dof = *state.mechanisms.first().expect("one");
+    assert!(chunk.contains(&(dof as u32 / 2)), "the chunk swings");
+    assert!(steps.iter().all(|step| step.record.residual < 1e-10));
+    let (ending, _) = plate.run(&mut state, Control::OnePass, 1000);
+    assert_eq!(ending, Ending::Separated);
+}
+
+/// Bonds with an end in a `no_fail` surface never break, and trusses only if they may.
+#[test]
+fn no_fail_and_breakable_trusses() {
+    let mut mesh = Grid {
+        size: [0.1, 0.1],
+        count: [10, 10],
+        kind: CellKind::Quad4,
+    }
+    .plain();
+    name_cells(&mut mesh, "grips", |[_, y]| (y - 0.05).abs() > 0.03);
+    name_cells(&mut mesh, "points", |[_, y]| (y - 0.05).abs() < 0.03);
+    name_cells(&mut mesh, "left", |[x, _]| x < 0.05);
+    name_curve(&mut mesh, "top", |[_, y]| y > 0.1 - 1e-9);
+    name_curve(&mut mesh, "bottom", |[_, y]| y < 1e-9);
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("plate.yaml");
+    let geometry = concat!(env!("CARGO_MANIFEST_DIR"), "/geo/plate_mode_i.geo");
+    let text = format!(
+        "name: plate
+geometry: {{ file: {geometry} }}
+materials:
+  rock: {{ young: 100 GPa, poisson: 1/3, tensile_strength: 2 MPa }}
+regions:
+  - {{ group: grips, model: fem, material: rock }}
+  - {{ group: points, model: peridynamics, material: rock, spacing: 2.5 mm, horizon: 4 }}
+no_fail: [left]
+boundary:
+  - {{ group: top, displacement: {{ x: 0, y: 1e-8 m }} }}
+  - {{ group: bottom, displacement: {{ x: 0, y: -1e-8 m }} }}
+loading: {{ control: one-pass, steps: 10 }}
+"
+    );
+    std::fs::write(&path, text).expect("writable");
+    for trusses_break in [false, true] {
+        let set = format!("coupling={{truss: {{breakable: {trusses_break}}}}}");
+        let plan = Plan::read(&path, &[set], None).expect("a sound pipeline");
+        let (model, _) = validate::discretise(&plan, mesh.clone()).expect("a model");
+        let limits = validate::limits(&plan, &model);
+        let mut counts = [0, 0];
+        for (spring, ends) in model.springs.ends.iter().enumerate() {
+            let is_truss = spring >= model.bond_count;
+            let is_point = |node: u32| node as usize >= model.fe_node_count();
+            let held = |node: u32| is_point(node) && model.positions[node as usize][0] < 0.05;
+            let expected = if ends.iter().any(|&node| held(node)) || (is_truss && !trusses_break) {
+                CriticalStretch::UNBREAKABLE
+            } else {
+                CriticalStretch {
+                    tension: 2e6 / 100e9,
+                    compression: f64::INFINITY,
+                }
+            };
+            assert_eq!(limits.of(spring), expected);
+            counts[usize::from(is_truss)] += usize::from(expected.tension.is_finite());
+        }
+        assert!(counts[0] > 0);
+        assert_eq!(counts[1] > 0, trusses_break);
+    }
+}

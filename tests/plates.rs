@@ -1,0 +1,192 @@
+//! The paper's two plates, frame by frame: Qian et al. (2021), sections 4.2 and 4.3. The broken bonds
+//! are compared as sets, without any tolerance.
+
+mod workplace;
+
+use peristitch::fracture::state::damage;
+use peristitch::gmsh::Extract;
+use peristitch::model::Model;
+use peristitch::pipeline::fracture::Frame;
+use peristitch::pipeline::plan::Plan;
+use peristitch::pipeline::validate::discretise;
+use serde::de::DeserializeOwned;
+use std::collections::{BTreeSet, HashMap};
+use std::path::Path;
+use std::process::Command;
+use workplace::{BINARY, repository};
+
+/// Side of the plates [m].
+const SIDE: f64 = 0.05;
+const SPACING: f64 = 0.5e-3;
+
+/// A run with a frame for every step.
+struct Plate {
+    model: Model,
+    frames: Vec<Frame>,
+}
+
+fn decode<T: DeserializeOwned>(path: &Path) -> T {
+    let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    postcard::from_bytes(&bytes).expect("what the program writes")
+}
+
+impl Plate {
+    fn run(name: &str) -> Plate {
+        let results = tempfile::tempdir().expect("a temporary folder");
+        let pipeline = repository().join(format!("pipelines/{name}.yaml"));
+        let mut command = Command::new(BINARY);
+        command
+            .arg("run")
+            .arg(&pipeline)
+            .arg("--results")
+            .arg(results.path());
+        command.args(["--set", "output.every=1", "--until", "solve"]);
+        let output = command.output().expect("the binary starts");
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        let folder = results.path().join(name);
+        let extract: Extract = decode(&folder.join("mesh.bin"));
+        let plan = Plan::read(&pipeline, &[], None).expect("a sound pipeline");
+        let mesh = extract
+            .to_mesh(plan.geometry.unit_in_metres)
+            .expect("a mesh");
+        let (model, _) = discretise(&plan, mesh).expect("a model");
+        let files = std::fs::read_dir(folder.join("frames")).expect("frames");
+        let mut frames: Vec<Frame> = files
+            .map(|file| decode(&file.expect("an entry").path()))
+            .collect();
+        frames.sort_by_key(|frame| frame.step);
+        let steps = frames.iter().map(|frame| frame.step);
+        assert!(steps.eq(0..frames.len()), "a frame for every step");
+        Plate { model, frames }
+    }
+
+    /// Bonds and trusses that are broken, by their ends' positions in micrometres, ascending.
+    fn broken(
+        &self,
+        frame: &Frame,
+        mirror: impl Fn([f64; 2]) -> [f64; 2],
+    ) -> BTreeSet<[[i64; 2]; 2]> {
+        let end = |node: u32| {
+            let x = mirror(self.model.positions[node as usize]);
+            x.map(|x| (1e6 * x).round() as i64)
+        };
+        let springs = self.model.springs.ends.iter().zip(&frame.intact);
+        let broken = springs.filter(|(_, intact)| !**intact);
+        let ends = broken.map(|(&[a, b], _)| {
+            let (a, b) = (end(a), end(b));
+            [a.min(b), a.max(b)]
+        });
+        ends.collect()
+    }
+
+    fn assert_symmetric(&self, mirror: impl Fn([f64; 2]) -> [f64; 2], what: &str) {
+        for frame in &self.frames {
+            let (own, mirrored) = (self.broken(frame, |x| x), self.broken(frame, &mirror));
+            let alone = own.symmetric_difference(&mirrored).count();
+            assert_eq!(
+                alone, 0,
+                "step {}: bonds without a mirror image, {what}",
+                frame.step
+            );
+        }
+    }
+
+    /// Damage of every point at a step, with its position.
+    fn damage(&self, step: usize) -> Vec<([f64; 2], f64)> {
+        let points = &self.model.positions[self.model.fe_node_count()..];
+        let damage = damage(&self.model, &self.frames[step].intact);
+        points.iter().copied().zip(damage).collect()
+    }
+
+    /// The largest rise of damage since the start.
+    fn rise(&self, step: usize, inside: impl Fn([f64; 2]) -> bool) -> f64 {
+        let before = self.damage(0);
+        let now = self.damage(step).into_iter().zip(before);
+        let now = now.filter(|((x, _), _)| inside(*x));
+        now.map(|((_, now), (_, before))| now - before)
+            .fold(0.0, f64::max)
+    }
+
+    fn last(&self) -> usize {
+        self.frames.len() - 1
+    }
+
+    /// No bond breaks that ends within one spacing of the band's lower or upper side.
+    fn assert_no_damage_beside_the_interfaces(&self) {
+        let [low, high] = self.model.points[0].outline.bounds();
+        let beside = |[_, y]: [f64; 2]| y < low[1] + SPACING || y > high[1] - SPACING;
+        let rows = self.damage(0).iter().filter(|(x, _)| beside(*x)).count();
+        assert_eq!(rows, 2 * 100, "one row of points on either side");
+        assert_eq!(self.rise(self.last(), beside), 0.0);
+    }
+}
+
+fn left_right([x, y]: [f64; 2]) -> [f64; 2] {
+    [SIDE - x, y]
+}
+
+fn up_down([x, y]: [f64; 2]) -> [f64; 2] {
+    [x, SIDE - y]
+}
+
+#[test]
+fn one_crack_runs_straight_to_both_sides_at_once() {
+    let plate = Plate::run("plate_mode_i");
+    plate.assert_symmetric(left_right, "left and right");
+    plate.assert_symmetric(up_down, "up and down");
+    plate.assert_no_damage_beside_the_interfaces();
+    // Step 57 is the paper's first with visible damage; the tips are 5 mm from the middle.
+    let ahead = |[x, _]: [f64; 2]| (x - SIDE / 2.0).abs() > 5e-3;
+    let (at_57, early) = (plate.rise(57, ahead), plate.rise(47, ahead));
+    assert!(
+        at_57 > 0.2 && early < 0.2,
+        "{at_57} at step 57, {early} at step 47"
+    );
+    let last = plate.damage(plate.last());
+    let severe = last.iter().filter(|(_, damage)| *damage > 0.5);
+    let off = severe
+        .map(|([_, y], _)| (y - SIDE / 2.0).abs())
+        .fold(0.0, f64::max);
+    assert!(off < 3e-3, "{off}");
+    // One connected crack from side to side: damage in every column.
+    let columns: BTreeSet<i64> = (last.iter().filter(|(_, damage)| *damage > 0.3))
+        .map(|([x, _], _)| (x / SPACING).floor() as i64)
+        .collect();
+    assert_eq!(columns.len(), 100);
+    assert_a_lost_bond_is_noticed(plate);
+}
+
+#[test]
+fn two_cracks_stay_mirror_images() {
+    let plate = Plate::run("plate_two_cracks");
+    plate.assert_symmetric(left_right, "left and right");
+    plate.assert_no_damage_beside_the_interfaces();
+    let (at_39, early) = (plate.rise(39, |_| true), plate.rise(29, |_| true));
+    assert!(
+        at_39 > 0.2 && early < 0.2,
+        "{at_39} at step 39, {early} at step 29"
+    );
+}
+
+/// One bond more on one side, and the comparison would say so.
+fn assert_a_lost_bond_is_noticed(mut plate: Plate) {
+    let count = |plate: &Plate| plate.broken(&plate.frames[0], |x| x).len();
+    let before = count(&plate);
+    let positions: HashMap<[i64; 2], usize> = (plate.model.positions.iter().enumerate())
+        .map(|(n, x)| (x.map(|x| (1e6 * x).round() as i64), n))
+        .collect();
+    assert_eq!(positions.len(), plate.model.node_count());
+    let bond = plate.frames[0]
+        .intact
+        .iter()
+        .position(|intact| *intact)
+        .expect("one");
+    plate.frames[0].intact[bond] = false;
+    assert_eq!(count(&plate), before + 1);
+    let frame = &plate.frames[0];
+    assert_ne!(plate.broken(frame, |x| x), plate.broken(frame, left_right));
+}

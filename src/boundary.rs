@@ -1,8 +1,8 @@
 //! Supports and loads: physical groups to prescribed dofs and nodal forces.
 //!
-//! A curve acts on the finite-element nodes on it, and on the layer of material points beside it:
-//! those within dx/2 of the curve where it bounds their region. A load t on such a layer is shared
-//! in proportion to the points' areas.
+//! A curve acts on the finite-element nodes on it, and on the layer of material points beside it where it
+//! bounds their region: those within dx/2, and the nearest to any piece that has none so near, as when
+//! dx does not divide the region. A load t on such a layer is shared in proportion to the points' areas.
 
 use crate::fem::edge::{EdgeLoad, consistent_load, edge_points};
 use crate::geometry::{chords, nearest_on_segment};
@@ -57,6 +57,10 @@ type Segment = [[f64; 2]; 2];
 /// Points as far as this from a curve, in spacings, belong to its layer; the excess over 1/2 covers
 /// rounding errors.
 const LAYER_DEPTH: f64 = 0.5 + 1e-6;
+
+/// Where no point is within the depth, the nearest belong to the layer, up to this distance, in spacings:
+/// a square's diagonal.
+const LAYER_REACH: f64 = 1.42;
 
 /// Sides whose distances differ by less, in spacings, are equally near.
 const EQUALLY_NEAR: f64 = 1e-9;
@@ -275,40 +279,52 @@ fn length(model: &Model, edges: &[Edge]) -> f64 {
     points.map(|point| point.length).sum()
 }
 
-/// The material points within dx/2 of the edges, ascending.
+/// The layer of material points beside the edges, ascending.
 ///
 /// Where a corner of the curve is nearest, or two sides are equally near, the normal is their mean:
 /// the choice of one would turn the loads on a hole all the same way round.
 fn layer(model: &Model, points: &PointRegion, edges: &[Edge]) -> Vec<LayerPoint> {
-    let depth = LAYER_DEPTH * points.micromodulus.spacing;
     let same = EQUALLY_NEAR * points.micromodulus.spacing;
     let positions = &model.positions[points.nodes.clone()];
-    let bins = Bins::new(positions, points.micromodulus.spacing);
+    let bins = Bins::new(positions, 2.0 * points.micromodulus.spacing);
     let mut nearest: BTreeMap<u32, (f64, [f64; 2])> = BTreeMap::new();
     for segment in edges
         .iter()
         .flat_map(|edge| short_segments(model, edge, points))
     {
-        let middle = [0, 1].map(|axis| 0.5 * (segment[0][axis] + segment[1][axis]));
         let normal = right_of(segment);
-        bins.visit_around(middle, |i| {
-            let (_, distance) = nearest_on_segment(positions[i as usize], segment);
-            if distance > depth {
-                return;
-            }
+        for (i, distance) in beside(segment, positions, &bins, points.micromodulus.spacing) {
             let (other, sum) = nearest.entry(i).or_insert((distance, [0.0; 2]));
             if distance < *other - same {
                 (*other, *sum) = (distance, normal);
             } else if distance < *other + same {
                 *sum = [sum[0] + normal[0], sum[1] + normal[1]];
             }
-        });
+        }
     }
     let point = |(i, (_, sum)): (u32, (f64, [f64; 2]))| LayerPoint {
         node: points.nodes.start + i as usize,
         normal: mean_direction(sum),
     };
     nearest.into_iter().map(point).collect()
+}
+
+/// The points within dx/2 of a short segment, or else the nearest, each with its distance [m].
+fn beside(segment: Segment, positions: &[[f64; 2]], bins: &Bins, spacing: f64) -> Vec<(u32, f64)> {
+    let middle = [0, 1].map(|axis| 0.5 * (segment[0][axis] + segment[1][axis]));
+    let mut around = Vec::new();
+    bins.visit_around(middle, |i| {
+        let (_, distance) = nearest_on_segment(positions[i as usize], segment);
+        around.push((i, distance));
+    });
+    let least = around.iter().map(|&(_, d)| d).fold(f64::INFINITY, f64::min);
+    let depth = if least <= LAYER_DEPTH * spacing {
+        LAYER_DEPTH * spacing
+    } else {
+        (least + EQUALLY_NEAR * spacing).min(LAYER_REACH * spacing)
+    };
+    around.retain(|&(_, distance)| distance <= depth);
+    around
 }
 
 /// Unit normal to the right of a segment's direction.
@@ -329,7 +345,7 @@ fn mean_direction(sum: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// An edge in pieces no longer than dx, so that the bins around a piece's middle hold its layer.
+/// An edge in pieces no longer than dx, so that the bins of 2 dx around a piece's middle hold its layer.
 fn short_segments(model: &Model, edge: &Edge, points: &PointRegion) -> Vec<Segment> {
     let mut pieces = Vec::new();
     for chord in chords(edge, &model.mesh.nodes).windows(2) {

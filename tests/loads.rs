@@ -262,6 +262,44 @@ fn pressure_on_a_layer_around_a_hole_has_no_resultant() {
     assert!((normal / (5e6 * PI * 0.7) - 1.0).abs() < 1e-3, "{normal:e}");
 }
 
+/// 2 × 1 m with dx = 0.07 m: the last row is 0.29 dx from the top, but the last column 0.57 dx from the
+/// right side, not within dx/2; it takes its load all the same.
+#[test]
+fn a_side_that_no_multiple_of_the_spacing_reaches() {
+    let mut mesh = bar(CellKind::Quad4);
+    name_curve(&mut mesh, "right and top", |x| {
+        x[0] > 2.0 - 1e-9 || x[1] > 1.0 - 1e-9
+    });
+    let method = Method::Peridynamics(paper_lattice(0.07, Placement::GridNodes));
+    let body = region(&mesh, &["left half", "right half"], steel(), method);
+    let model = build(mesh, vec![body], PlaneState::Stress);
+    let columns = model.positions.iter().filter(|x| x[1] < 1e-9).count();
+    assert_eq!(model.areas.len(), columns * (model.areas.len() / columns));
+    let mut boundary = Boundary::new(&model);
+    press(&mut boundary, &model, "right and top", PRESSURE);
+    let loaded: Vec<&[f64; 2]> = (0..model.node_count())
+        .filter(|&node| boundary.load[2 * node] != 0.0 || boundary.load[2 * node + 1] != 0.0)
+        .map(|node| &model.positions[node])
+        .collect();
+    let rows = model.areas.len() / columns;
+    assert_eq!(
+        loaded.len(),
+        columns + rows - 1,
+        "the last row and the last column"
+    );
+    // Forces are shared by areas, which differ from row to column: some percent.
+    let [x, y, _] = applied(&model, &boundary);
+    let force = -5e6 * model.settings.thickness;
+    assert!(
+        (x / force - 1.0).abs() < 0.1 && (y / force / 2.0 - 1.0).abs() < 0.1,
+        "{x:e} {y:e}"
+    );
+    boundary
+        .displace(&model, "left", [Some(0.0); 2])
+        .expect("a side");
+    assert_balance(&model, &boundary, "right and top");
+}
+
 #[test]
 fn curved_edges_of_elements() {
     for kind in CellKind::ALL {

@@ -274,8 +274,8 @@ fn boundary_error(plan: &Plan, index: usize, error: &BoundaryError) -> InputErro
     let help = match error {
         BoundaryError::NothingThere { .. } => {
             "is its surface part of a region? A curve acts on the element nodes on it and, where it \
-             bounds a peridynamic region, on the material points within half a spacing; inside such \
-             a region it acts on nothing. A point acts on the node at it, or on a material point \
+             bounds a peridynamic region, on the material points beside it; inside such a region it \
+             acts on nothing. A point acts on the node at it, or on a material point \
              within 0.71 spacings"
         }
         BoundaryError::NoOutline { .. } => {

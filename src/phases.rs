@@ -21,10 +21,10 @@ impl Phases {
         "support",
         "elements",
         "pattern",
-        "assembly",
-        "supports",
         "ordering",
         "symbolic",
+        "assembly",
+        "supports",
         "factorisation",
         "solution",
     ];

@@ -1,6 +1,6 @@
 # `make run` and `make test` are complete on a bare machine with git, make, Python 3, gcc and Rust: see .ci/setup.
 
-PIPELINE ?= pipelines/cantilever_hybrid_q8.yaml
+PIPELINE ?= pipelines/plate_mode_i.yaml
 ARGS ?=
 PERISTITCH = $(or $(CARGO_TARGET_DIR),target)/release/peristitch
 CARGO_FLAGS = --release --locked

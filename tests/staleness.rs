@@ -191,6 +191,20 @@ fn hash(bytes: &[u8]) -> String {
 }
 
 #[test]
+fn a_half_written_file_is_swept_by_the_next_run() {
+    let place = Workplace::new();
+    place.run(&[]);
+    let before = place.snapshot();
+    for half in [".stamps/mesh.json.partial", "mesh.bin.partial"] {
+        let path = place.path("results/bar").join(half);
+        std::fs::write(&path, "half").expect("writable");
+        assert!(place.run(&[]).stages().is_empty());
+        assert!(!path.exists(), "{half}");
+    }
+    assert_eq!(place.snapshot(), before);
+}
+
+#[test]
 fn a_killed_run_leaves_what_the_next_one_completes() {
     let place = Workplace::new();
     // Larger, so that each phase takes its time.

@@ -7,7 +7,7 @@ use super::stamp::{self, Stage};
 use crate::output::partial_name;
 use std::fs::{self, File};
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 /// Held until it is dropped, or until the process ends in whatever way.
@@ -74,6 +74,37 @@ pub(super) fn file_error(action: &'static str, path: &Path, source: io::Error) -
     }
 }
 
+/// The stages' manifests and the files that they list.
+fn written(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for stage in Stage::ALL {
+        let manifest = stamp::read(folder, stage);
+        let outputs = manifest
+            .into_iter()
+            .flat_map(|manifest| manifest.outputs.into_keys());
+        files.extend(outputs.map(|name| folder.join(name)));
+        files.push(stamp::path(folder, stage));
+    }
+    files
+}
+
+/// Removes files that a killed run left half written, unless another run is writing them now.
+///
+/// # Errors
+/// A file that cannot be removed.
+pub(super) fn sweep(folder: &Path) -> Result<(), RunError> {
+    let mut halves = written(folder).into_iter().map(|file| partial_name(&file));
+    if !halves.any(|half| half.exists()) {
+        return Ok(());
+    }
+    let _lock = match lock(folder) {
+        Err(RunError::Busy { .. }) => return Ok(()),
+        lock => lock?,
+    };
+    let halves = written(folder).into_iter().map(|file| partial_name(&file));
+    halves.into_iter().try_for_each(|half| remove(&half))
+}
+
 /// Removes what the stages have written, finished or not, and the folder if nothing else is in it.
 /// Returns the number of results removed.
 ///
@@ -86,15 +117,10 @@ pub fn clean(plan: &Plan) -> Result<usize, RunError> {
     }
     let lock = lock(folder)?;
     let mut removed = 0;
-    for stage in Stage::ALL {
-        let manifest = stamp::read(folder, stage);
-        for name in manifest.iter().flat_map(|manifest| manifest.outputs.keys()) {
-            removed += usize::from(folder.join(name).exists());
-            remove(&folder.join(name))?;
-            remove(&partial_name(&folder.join(name)))?;
-        }
-        remove(&stamp::path(folder, stage))?;
-        remove(&partial_name(&stamp::path(folder, stage)))?;
+    for file in written(folder) {
+        removed += usize::from(file.exists() && !file.starts_with(folder.join(".stamps")));
+        remove(&file)?;
+        remove(&partial_name(&file))?;
     }
     remove_folder(&folder.join(DRAFT_FOLDER))?;
     forget_checkpoint(folder)?;

@@ -1,7 +1,7 @@
 //! Runs the stages that are stale: mesh → solve → output. Bad input is found before anything is
 //! written; what is written appears under its name only when it is whole.
 
-use super::folder::{draft, file_error, hash_of, lock, remove};
+use super::folder::{draft, file_error, hash_of, lock, remove, sweep};
 use super::fracture::{self, Fractured, HISTORY_FILE, Line, forget_checkpoint, frame_file};
 use super::plan::{Loading, Plan};
 use super::recipe::recipe;
@@ -198,6 +198,7 @@ pub fn run(
         kept: BTreeMap::new(),
         lock: None,
     };
+    sweep(&plan.folder)?;
     let mesh = run.mesh()?;
     if options.until == Stage::Output
         && let Some(summary) = run.all_fresh(&mesh)?

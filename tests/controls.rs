@@ -1,0 +1,87 @@
+//! The plate of Qian et al. (2021), section 4.2, under the three controls: README.md's table.
+//!
+//! Total opening of the grips. Griffith's crack of the same energy release rate, 0.1407 J/m²: 9.04e-7 m;
+//! all-lattice figures of others: 1.05e-6 m in equilibrium, 8.1e-7 to 1.04e-6 m along the event-driven
+//! path, where the lattice traps the tip.
+
+mod workplace;
+
+use serde_json::Value;
+use std::process::Command;
+use workplace::{BINARY, repository};
+
+const README: &str = include_str!("../README.md");
+
+/// The summary, and the largest grip displacement of the path [m].
+fn run(control: &str, steps: usize) -> (Value, f64) {
+    let results = tempfile::tempdir().expect("a temporary folder");
+    let output = Command::new(BINARY)
+        .args(["run", "pipelines/plate_mode_i.yaml", "--results"])
+        .arg(results.path())
+        .args(["--set", &format!("loading.control={control}")])
+        .args(["--set", &format!("loading.steps={steps}")])
+        .args(["--set", "output={ every: 1000000, pictures: false }"])
+        .current_dir(repository())
+        .output()
+        .expect("the binary starts");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    let folder = results.path().join("plate_mode_i");
+    let summary = std::fs::read(folder.join("summary.json")).expect("a summary");
+    let history = std::fs::read_to_string(folder.join("history.csv")).expect("a history");
+    let grips = history.lines().skip(1).map(|line| {
+        let grip = line.split(',').nth(2).expect("a third column");
+        grip.parse::<f64>().expect("a number")
+    });
+    let largest = grips.fold(0.0, f64::max);
+    (serde_json::from_slice(&summary).expect("JSON"), largest)
+}
+
+/// The opening that README.md gives for a control is twice the grip displacement, to the digits written.
+fn assert_written(control: &str, grip: f64) {
+    let row = README
+        .lines()
+        .find(|line| line.starts_with(&format!("| `{control}`")));
+    let opening = format!("{:.2e} m", 2.0 * grip);
+    assert!(
+        row.is_some_and(|row| row.contains(&opening)),
+        "{control}: {opening}"
+    );
+}
+
+fn end(summary: &Value) -> f64 {
+    assert_eq!(summary["outcome"], "separated");
+    summary["fracture"]["end"]["grip_displacement_m"]
+        .as_f64()
+        .expect("a number")
+}
+
+#[test]
+fn one_pass() {
+    let (summary, _) = run("one-pass", 130);
+    assert_eq!(summary["fracture"]["end"]["step"], 92, "the paper's");
+    assert_written("one-pass", end(&summary));
+}
+
+#[test]
+fn equilibrium() {
+    let (summary, _) = run("equilibrium", 130);
+    let opening = 2.0 * end(&summary);
+    // The step is 2 % of it, and the hybrid is stiffer than a lattice alone.
+    assert!((opening / 1.05e-6 - 1.0).abs() < 0.05, "{opening:e}");
+    assert_written("equilibrium", end(&summary));
+}
+
+#[test]
+fn event_driven() {
+    let (summary, largest) = run("event-driven", 3000);
+    assert_eq!(summary["outcome"], "separated");
+    assert!((8.1e-7..1.04e-6).contains(&(2.0 * largest)), "{largest:e}");
+    assert_written("event-driven", largest);
+    // Discrete energy release rates of .985 to .995 of the continuum's, a ligament of 40 mm and a
+    // crack of 10 mm; the last bonds break in tension of their own at the sides.
+    let crack = summary["fracture"]["crack_length_m"]
+        .as_f64()
+        .expect("a number");
+    assert!((crack / 0.05 - 1.0).abs() < 0.02, "{crack}");
+}

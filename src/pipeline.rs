@@ -4,12 +4,15 @@
 mod files;
 pub mod folder;
 pub mod fracture;
+mod meshing;
+mod pictures;
 pub mod plan;
 pub mod quantity;
 mod reader;
 mod recipe;
 pub mod results;
 pub mod run;
+pub mod solved;
 pub mod source;
 pub mod spec;
 pub mod stamp;

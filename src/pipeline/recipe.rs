@@ -1,9 +1,10 @@
 //! What a stage is made from: the settings that it reads, in canonical form, and its inputs' hashes.
 
 use super::folder::hash_of;
+use super::meshing::gmsh_error;
 use super::plan::Plan;
 use super::quantity;
-use super::run::{MESH_FILE, RunError, SOLUTION_FILE, gmsh_error};
+use super::run::{MESH_FILE, RunError, SOLUTION_FILE};
 use super::spec::Spec;
 use super::stamp::{Recipe, Stage};
 use crate::gmsh::{self, GeoScript};

@@ -2,20 +2,21 @@
 //! written; what is written appears under its name only when it is whole.
 
 use super::folder::{draft, file_error, hash_of, lock, remove, sweep};
-use super::fracture::{self, Fractured, HISTORY_FILE, Line, forget_checkpoint, frame_file};
+use super::fracture::{self, Fractured, HISTORY_FILE, forget_checkpoint, frame_file};
+use super::meshing::{mesh_geometry, to_mesh};
 use super::plan::{Loading, Plan};
 use super::recipe::recipe;
 use super::results::{Outcome, ResultsError};
+use super::solved::{Course, Solved, StoredSolution};
 use super::source::InputError;
 use super::stamp::{self, Manifest, Reasons, Recipe, Stage};
 use super::validate::discretise;
 use crate::boundary::Boundary;
-use crate::fracture::control::Ending;
 use crate::gmsh::{self, Extract, GmshError};
 use crate::model::Model;
 use crate::output::{WriteError, write_whole};
 use crate::phases::{Phase, Phases, peak_memory};
-use crate::statics::{self, Solution, StaticsError, SystemSize};
+use crate::statics::{self, Solution, StaticsError};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -102,44 +103,6 @@ pub trait Observer {
 pub(super) const MESH_FILE: &str = "mesh.bin";
 pub(super) const SOLUTION_FILE: &str = "solution.bin";
 pub const SUMMARY_FILE: &str = "summary.json";
-
-/// The solve stage's result, as it is kept.
-#[derive(Serialize, Deserialize)]
-struct StoredSolution {
-    displacement: Vec<[f64; 2]>,
-    reaction: Vec<[f64; 2]>,
-    residual: f64,
-    size: [usize; 3],
-    intact: Vec<bool>,
-    fracture: Option<StoredFracture>,
-}
-
-/// What a fracture run adds.
-#[derive(Serialize, Deserialize)]
-struct StoredFracture {
-    history: Vec<Line>,
-    frames: Vec<usize>,
-    /// As [`Ending::describe`] has it.
-    ending: String,
-}
-
-/// The solve stage's result.
-pub struct Solved {
-    /// The last state.
-    pub solution: Solution,
-    /// The springs that are intact in it.
-    pub intact: Vec<bool>,
-    /// How a fracture run got there.
-    pub fracture: Option<Course>,
-}
-
-/// The course of a fracture run.
-pub struct Course {
-    pub history: Vec<Line>,
-    /// Steps that have a frame.
-    pub frames: Vec<usize>,
-    pub ending: Ending,
-}
 
 /// How a stage's result stands.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -362,7 +325,7 @@ impl Run<'_> {
             None => self.solve_once(model, boundary)?,
             Some(loading) => self.break_apart(loading, model, boundary, &recipe)?,
         };
-        let bytes = encode(&store(&solved));
+        let bytes = encode(&StoredSolution::from(&solved));
         let mut files = vec![SOLUTION_FILE.to_owned()];
         if let Some(course) = &solved.fracture {
             files.push(HISTORY_FILE.to_owned());
@@ -438,32 +401,7 @@ impl Run<'_> {
                 self.phases.list.push(Phase { name, time });
             }
         }
-        let [dofs, stiffness_entries, factor_entries] = stored.size;
-        let solution = Solution {
-            displacement: stored.displacement,
-            reaction: stored.reaction,
-            residual: stored.residual,
-            size: SystemSize {
-                dofs,
-                stiffness_entries,
-                factor_entries,
-            },
-        };
-        let ending = |name: &str| {
-            Ending::ALL
-                .into_iter()
-                .find(|ending| ending.describe() == name)
-        };
-        let course = |stored: StoredFracture| Course {
-            history: stored.history,
-            frames: stored.frames,
-            ending: ending(&stored.ending).unwrap_or(Ending::StepLimit),
-        };
-        Solved {
-            solution,
-            intact: stored.intact,
-            fracture: stored.fracture.map(course),
-        }
+        stored.into()
     }
 
     fn output(&mut self, outcome: &Outcome) -> Result<Value, RunError> {
@@ -573,60 +511,6 @@ impl Run<'_> {
 /// nodes are.
 const AREA_WARNING: f64 = 1e-6;
 
-fn mesh_geometry(plan: &Plan, options: &Options) -> Result<Extract, RunError> {
-    gmsh::mesh(
-        &plan.geometry.file,
-        &plan.geometry.parameters,
-        &options.gmsh,
-    )
-    .map_err(|error| gmsh_error(plan, error))
-}
-
-/// Whose fault is it? The user's errors get their place in the pipeline and exit code 2.
-pub(super) fn gmsh_error(plan: &Plan, error: GmshError) -> RunError {
-    let (key, help) = match &error {
-        GmshError::UnknownParameter { name, .. }
-        | GmshError::FixedParameter { name, .. }
-        | GmshError::ParameterOfMesh { name, .. }
-        | GmshError::ParameterValue { name, .. } => (format!("geometry/parameters/{name}"), None),
-        GmshError::Failed { errors, .. } => match blamed_parameter(plan, errors) {
-            Some(name) => (format!("geometry/parameters/{name}"), parameters_help(plan)),
-            None => ("geometry/file".to_owned(), None),
-        },
-        GmshError::FileMissing { .. }
-        | GmshError::FileKind { .. }
-        | GmshError::PathNotText { .. }
-        | GmshError::Script(_) => ("geometry/file".to_owned(), None),
-        _ => return RunError::Gmsh(Box::new(error)),
-    };
-    plan.source.error(&key, error.to_string(), help).into()
-}
-
-/// The parameter of the pipeline that the script's own `Error(...)` names, if it names one.
-fn blamed_parameter<'a>(plan: &'a Plan, errors: &[gmsh::Message]) -> Option<&'a String> {
-    let error = errors.first().filter(|error| error.line.is_none())?;
-    let is_word = |c: char| c.is_alphanumeric() || c == '_';
-    let mut words = error.text.split(|c| !is_word(c));
-    words.find_map(|word| plan.geometry.parameters.keys().find(|name| *name == word))
-}
-
-fn parameters_help(plan: &Plan) -> Option<String> {
-    let value = |value: &gmsh::Value| match value {
-        gmsh::Value::Number(number) => number.to_string(),
-        gmsh::Value::Text(text) => text.clone(),
-    };
-    let given = plan.geometry.parameters.iter();
-    let list: Vec<String> = given
-        .map(|(name, v)| format!("{name} = {}", value(v)))
-        .collect();
-    (!list.is_empty()).then(|| format!("the pipeline sets {}", list.join(", ")))
-}
-
-fn to_mesh(plan: &Plan, extract: &Extract) -> Result<crate::mesh::Mesh, RunError> {
-    let mesh = extract.to_mesh(plan.geometry.unit_in_metres);
-    Ok(mesh.map_err(|error| plan.source.error("geometry/file", error.to_string(), None))?)
-}
-
 fn encode(value: &impl Serialize) -> Vec<u8> {
     postcard::to_stdvec(value).expect("plain data in memory can be encoded")
 }
@@ -634,27 +518,6 @@ fn encode(value: &impl Serialize) -> Vec<u8> {
 fn read_stored<T: for<'de> Deserialize<'de>>(path: &Path) -> Option<(T, Vec<u8>)> {
     let bytes = fs::read(path).ok()?;
     Some((postcard::from_bytes(&bytes).ok()?, bytes))
-}
-
-fn store(solved: &Solved) -> StoredSolution {
-    let SystemSize {
-        dofs,
-        stiffness_entries,
-        factor_entries,
-    } = solved.solution.size;
-    let fracture = |course: &Course| StoredFracture {
-        history: course.history.clone(),
-        frames: course.frames.clone(),
-        ending: course.ending.describe().to_owned(),
-    };
-    StoredSolution {
-        displacement: solved.solution.displacement.clone(),
-        reaction: solved.solution.reaction.clone(),
-        residual: solved.solution.residual,
-        size: [dofs, stiffness_entries, factor_entries],
-        intact: solved.intact.clone(),
-        fracture: solved.fracture.as_ref().map(fracture),
-    }
 }
 
 /// The solve stage in one line.

@@ -1,0 +1,98 @@
+//! What the solve stage delivers, and the form in which it is kept.
+
+use super::fracture::Line;
+use crate::fracture::control::Ending;
+use crate::statics::{Solution, SystemSize};
+use serde::{Deserialize, Serialize};
+
+/// The solve stage's result.
+pub struct Solved {
+    /// The last state.
+    pub solution: Solution,
+    /// The springs that are intact in it.
+    pub intact: Vec<bool>,
+    /// How a fracture run got there.
+    pub fracture: Option<Course>,
+}
+
+/// The course of a fracture run.
+pub struct Course {
+    pub history: Vec<Line>,
+    /// Steps that have a frame.
+    pub frames: Vec<usize>,
+    pub ending: Ending,
+}
+
+/// The solve stage's result, as it is kept.
+#[derive(Serialize, Deserialize)]
+pub(super) struct StoredSolution {
+    displacement: Vec<[f64; 2]>,
+    reaction: Vec<[f64; 2]>,
+    residual: f64,
+    size: [usize; 3],
+    intact: Vec<bool>,
+    fracture: Option<StoredFracture>,
+}
+
+/// What a fracture run adds.
+#[derive(Serialize, Deserialize)]
+pub(super) struct StoredFracture {
+    history: Vec<Line>,
+    frames: Vec<usize>,
+    /// As [`Ending::describe`] has it.
+    ending: String,
+}
+
+impl From<&Solved> for StoredSolution {
+    fn from(solved: &Solved) -> StoredSolution {
+        let SystemSize {
+            dofs,
+            stiffness_entries,
+            factor_entries,
+        } = solved.solution.size;
+        let fracture = |course: &Course| StoredFracture {
+            history: course.history.clone(),
+            frames: course.frames.clone(),
+            ending: course.ending.describe().to_owned(),
+        };
+        StoredSolution {
+            displacement: solved.solution.displacement.clone(),
+            reaction: solved.solution.reaction.clone(),
+            residual: solved.solution.residual,
+            size: [dofs, stiffness_entries, factor_entries],
+            intact: solved.intact.clone(),
+            fracture: solved.fracture.as_ref().map(fracture),
+        }
+    }
+}
+
+impl From<StoredSolution> for Solved {
+    fn from(stored: StoredSolution) -> Solved {
+        let [dofs, stiffness_entries, factor_entries] = stored.size;
+        let solution = Solution {
+            displacement: stored.displacement,
+            reaction: stored.reaction,
+            residual: stored.residual,
+            size: SystemSize {
+                dofs,
+                stiffness_entries,
+                factor_entries,
+            },
+        };
+        let ending = |name: &str| {
+            Ending::ALL
+                .into_iter()
+                .find(|ending| ending.describe() == name)
+        };
+        let course = |stored: StoredFracture| Course {
+            history: stored.history,
+            frames: stored.frames,
+            ending: ending(&stored.ending).unwrap_or(Ending::StepLimit),
+        };
+        Solved {
+            solution,
+            intact: stored.intact,
+            fracture: stored.fracture.map(course),
+        }
+    }
+}

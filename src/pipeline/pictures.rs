@@ -136,13 +136,15 @@ impl Outcome<'_> {
             .interfaces
             .iter()
             .flat_map(|interface| &interface.edges);
+        let cracks = self.plan.cracks.iter();
+        let cracks = cracks.flat_map(|name| &model.mesh.curves[name]);
         MeshPicture {
             title: format!("{}: mesh and regions", self.plan.name),
             regions: model.regions.iter().enumerate().map(region).collect(),
             cells: model.elements.iter().map(patch).collect(),
             points: self.dots(),
             interfaces: edges.map(|e| chords(e, &model.mesh.nodes)).collect(),
-            cracks: Vec::new(),
+            cracks: cracks.map(|edge| chords(edge, &model.mesh.nodes)).collect(),
         }
     }
 

@@ -6,10 +6,13 @@ use std::time::{Duration, Instant};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Phase {
     pub name: &'static str,
+    /// Of all its runs together.
     pub time: Duration,
+    /// How often it ran.
+    pub count: usize,
 }
 
-/// Phases in the order in which they ran.
+/// Phases in the order in which they first ran.
 #[derive(Clone, Debug, Default)]
 pub struct Phases {
     pub list: Vec<Phase>,
@@ -33,11 +36,19 @@ impl Phases {
     pub fn measure<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
         let start = Instant::now();
         let result = work();
-        self.list.push(Phase {
-            name,
-            time: start.elapsed(),
-        });
+        self.add(name, start.elapsed(), 1);
         result
+    }
+
+    /// Records `count` runs that took `time` together.
+    pub fn add(&mut self, name: &'static str, time: Duration, count: usize) {
+        match self.list.iter_mut().find(|phase| phase.name == name) {
+            Some(phase) => {
+                phase.time += time;
+                phase.count += count;
+            }
+            None => self.list.push(Phase { name, time, count }),
+        }
     }
 
     pub fn total(&self) -> Duration {

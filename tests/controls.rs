@@ -61,6 +61,16 @@ fn one_pass() {
     let (summary, _) = run("one-pass", 130);
     assert_eq!(summary["fracture"]["end"]["step"], 92, "the paper's");
     assert_written("one-pass", end(&summary));
+    // A solve before the first step and one after each step that broke bonds, but for the last: bonds
+    // break in every step from 45 on. Before that nothing is solved again.
+    let solves: Vec<&Value> = summary["phases"]
+        .as_array()
+        .expect("phases")
+        .iter()
+        .filter(|phase| phase["phase"] == "solution")
+        .collect();
+    assert_eq!(solves.len(), 1, "a phase is listed once");
+    assert_eq!(solves[0]["count"], 92 - 45 + 1);
 }
 
 #[test]

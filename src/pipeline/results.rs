@@ -277,6 +277,7 @@ impl Outcome<'_> {
             "residual": self.solved.solution.residual,
             "phases": phases.list.iter().map(|phase| json!({
                 "phase": phase.name,
+                "count": phase.count,
                 "seconds": phase.time.as_secs_f64(),
                 "share": phase.time.as_secs_f64() / phases.total().as_secs_f64(),
             })).collect::<Vec<_>>(),

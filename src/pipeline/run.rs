@@ -251,7 +251,7 @@ impl Run<'_> {
         let bytes = encode(&extract);
         self.kept.insert(MESH_FILE, stamp::hash(&bytes));
         let time = start.elapsed();
-        self.phases.list.push(Phase { name: "gmsh", time });
+        self.phases.add("gmsh", time, 1);
         Ok(Meshed {
             extract,
             bytes,
@@ -281,10 +281,7 @@ impl Run<'_> {
         let start = Instant::now();
         let (model, boundary) = discretise(self.plan, to_mesh(self.plan, &mesh.extract)?)?;
         let time = start.elapsed();
-        self.phases.list.push(Phase {
-            name: "discretisation",
-            time,
-        });
+        self.phases.add("discretisation", time, 1);
         self.warn_of_areas(&model);
         Ok((model, boundary))
     }
@@ -395,10 +392,10 @@ impl Run<'_> {
     /// The stored solution; the phases get the times that it took when it was computed.
     fn restore(&mut self, stored: StoredSolution) -> Solved {
         let manifest = stamp::read(&self.plan.folder, Stage::Solve);
-        for (name, seconds) in manifest.into_iter().flat_map(|manifest| manifest.seconds) {
+        for (name, seconds, count) in manifest.into_iter().flat_map(|manifest| manifest.seconds) {
             if let Some(name) = Phases::STATICS.into_iter().find(|known| **known == name) {
                 let time = Duration::try_from_secs_f64(seconds).unwrap_or_default();
-                self.phases.list.push(Phase { name, time });
+                self.phases.add(name, time, count);
             }
         }
         stored.into()
@@ -493,7 +490,10 @@ impl Run<'_> {
         for name in files {
             outputs.insert(name.clone(), hash_of(&folder.join(name))?);
         }
-        let seconds = |phase: &Phase| (phase.name.to_owned(), phase.time.as_secs_f64());
+        let seconds = |phase: &Phase| {
+            let Phase { name, time, count } = phase;
+            ((*name).to_owned(), time.as_secs_f64(), *count)
+        };
         let seconds = self.phases.list.iter().map(seconds).collect();
         Ok(stamp::write(
             folder,

@@ -129,10 +129,10 @@ pub struct Manifest {
     pub recipe: Option<Recipe>,
     /// File in the results folder → hash of its content.
     pub outputs: BTreeMap<String, String>,
-    /// What the phases so far took [s]. Here, and not in the outputs, so that equal work gives equal
+    /// What the phases so far took [s], and how often they ran. Here, and not in the outputs, so that equal work gives equal
     /// bytes.
     #[serde(default)]
-    pub seconds: Vec<(String, f64)>,
+    pub seconds: Vec<(String, f64, usize)>,
 }
 
 /// Why a stage must run; empty where its result is good.

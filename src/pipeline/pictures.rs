@@ -1,6 +1,6 @@
 //! The pictures of a run: mesh, displacements, damage, reaction over grip displacement.
 
-use super::fracture::Line;
+use super::history::Line;
 use super::results::{Outcome, ResultsError};
 use super::solved::Course;
 use crate::fem::element::MappedPoint;

@@ -49,37 +49,28 @@ pub struct Response {
 }
 
 impl Response {
-    /// `None` where a loaded part swings freely, which `state` then knows.
-    ///
     /// # Errors
-    /// What else the solver reports.
+    /// What the solver reports.
     pub fn new(
         solver: &Solver,
         problem: &Problem,
         state: &mut State,
         phases: &mut Phases,
-    ) -> Result<Option<Response>, StaticsError> {
+    ) -> Result<Response, StaticsError> {
         let programme = problem.programme;
         let held = programme.held(state.phase);
         let mut cases = vec![&programme.phases[state.phase].boundary];
         cases.extend(&held);
-        let solutions = solver.solve_broken(
+        let mut solutions = solver.solve_broken(
             &cases,
             &state.intact,
             &state.fragments,
             &mut state.mechanisms,
             phases,
-        );
-        let mut solutions = match solutions {
-            Err(StaticsError::Swings { .. }) => {
-                state.collapsed = true;
-                return Ok(None);
-            }
-            solutions => solutions?,
-        };
+        )?;
         let held = held.and_then(|_| solutions.pop());
         let unit = solutions.pop().expect("a solution for every case");
-        Ok(Some(Response { held, unit }))
+        Ok(Response { held, unit })
     }
 
     /// The larger relative residual of the two.

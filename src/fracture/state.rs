@@ -1,11 +1,12 @@
 //! What changes during a run: which bonds are intact, and what their breaking has cost.
 
-use super::control::{Problem, SEPARATED};
+use super::control::{Ending, Problem, SEPARATED};
 use super::failure::CriticalStretch;
 use super::programme::Programme;
 use super::response::{Load, Response};
 use crate::model::Model;
 use crate::springs;
+use crate::statics::StaticsError;
 use crate::support;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -30,8 +31,8 @@ pub struct State {
     pub load_lost: bool,
     /// Dofs that are held because a chunk hangs on a hinge there.
     pub mechanisms: BTreeSet<usize>,
-    /// Whether a load acts along such a dof.
-    pub collapsed: bool,
+    /// Where there is no solution any more: how the run ends, and why.
+    pub stopped: Option<(Ending, String)>,
     pub energy: Energy,
     pub force: LoadForce,
     /// Force [N] and displacement [m] at each of the programme's dofs.
@@ -88,7 +89,7 @@ impl State {
             fragments: Vec::new(),
             load_lost: false,
             mechanisms: BTreeSet::new(),
-            collapsed: false,
+            stopped: None,
             energy: Energy::default(),
             force: LoadForce::default(),
             surroundings: vec![[0.0; 2]; programme.dofs.len()],
@@ -174,6 +175,16 @@ impl State {
             force.stiffness[0] = stiffness;
         }
         force.stiffness[1] = stiffness;
+    }
+
+    /// What is left has no solution: the run ends here.
+    pub fn stop(&mut self, error: &StaticsError) -> Ending {
+        let ending = match error {
+            StaticsError::Swings { .. } => Ending::Collapsed,
+            _ => Ending::Singular,
+        };
+        self.stopped = Some((ending, error.to_string()));
+        ending
     }
 
     /// Intact bonds that are over their limit.

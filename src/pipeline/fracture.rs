@@ -43,6 +43,8 @@ pub struct Fractured {
     /// Steps that have a frame.
     pub frames: Vec<usize>,
     pub ending: Ending,
+    /// Why there is no solution any more, where the run ended so.
+    pub reason: Option<String>,
     /// The last state.
     pub solution: Solution,
     /// The springs that are intact in it.
@@ -327,6 +329,7 @@ impl<'a> Writer<'a> {
             history: self.history,
             frames: self.frames,
             ending,
+            reason: state.stopped.as_ref().map(|(_, reason)| reason.clone()),
             intact: state.intact.clone(),
             solution: Solution {
                 displacement: state.displacement.clone(),

@@ -4,7 +4,6 @@ use super::state::{Limits, State};
 use crate::boundary::Boundary;
 use crate::model::Model;
 use crate::phases::Phases;
-use crate::springs;
 use crate::statics::{Solution, Solver, StaticsError};
 use rayon::prelude::*;
 
@@ -222,12 +221,9 @@ impl<'a> Response<'a> {
             if !state.intact[s] {
                 return f64::INFINITY;
             }
-            let ends = model.springs.ends[s];
-            limits.of(s).load_factor(springs::stretch(
-                ends,
-                &model.positions,
-                &self.unit.displacement,
-            ))
+            let displacement = &self.unit.displacement;
+            let stretch = model.springs.stretch(s, &model.positions, displacement);
+            limits.of(s).load_factor(stretch)
         };
         (0..model.springs.len())
             .into_par_iter()

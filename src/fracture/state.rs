@@ -3,7 +3,6 @@
 use super::failure::CriticalStretch;
 use crate::boundary::Boundary;
 use crate::model::Model;
-use crate::springs;
 use crate::statics::Solution;
 use crate::support;
 use rayon::prelude::*;
@@ -95,9 +94,9 @@ impl State {
         *elastic = 0.5 * force * load_factor;
         for (spring, before) in self.just_broken.drain(..) {
             let spring = spring as usize;
-            let ends = model.springs.ends[spring];
-            let (length, _) = springs::axis(ends, &model.positions);
-            let after = load_factor * length * springs::stretch(ends, &model.positions, unit);
+            let length = model.springs.length(spring, &model.positions);
+            let after =
+                load_factor * length * model.springs.stretch(spring, &model.positions, unit);
             *dissipated += 0.5 * model.springs.stiffness[spring] * before * after;
         }
         *last = force;
@@ -107,8 +106,10 @@ impl State {
     /// Breaks every intact bond that is over its limit and returns how many.
     pub fn break_exceeded(&mut self, model: &Model, boundary: &Boundary, limits: &Limits) -> usize {
         let over = |&s: &usize| {
-            let stretch =
-                springs::stretch(model.springs.ends[s], &model.positions, &self.displacement);
+            let Model {
+                springs, positions, ..
+            } = model;
+            let stretch = springs.stretch(s, positions, &self.displacement);
             limits.of(s).is_exceeded(stretch)
         };
         let broken: Vec<usize> = (0..model.springs.len())
@@ -122,9 +123,11 @@ impl State {
     /// Breaks the given bonds, and finds what falls off.
     pub fn break_bonds(&mut self, model: &Model, boundary: &Boundary, bonds: &[usize]) -> usize {
         for &spring in bonds {
-            let ends = model.springs.ends[spring];
-            let (length, _) = springs::axis(ends, &model.positions);
-            let stretch = springs::stretch(ends, &model.positions, &self.displacement);
+            let Model {
+                springs, positions, ..
+            } = model;
+            let length = springs.length(spring, positions);
+            let stretch = springs.stretch(spring, positions, &self.displacement);
             self.intact[spring] = false;
             self.just_broken.push((spring as u32, stretch * length));
         }
@@ -147,9 +150,9 @@ pub fn damage(model: &Model, intact: &[bool]) -> Vec<f64> {
     let first = model.fe_node_count();
     let mut broken = vec![0.0; model.areas.len()];
     let mut whole = vec![0.0; model.areas.len()];
-    for (bond, &[i, j]) in model.springs.ends[..model.bond_count].iter().enumerate() {
+    for (bond, &[i, j]) in model.springs.pairs()[..model.bond_count].iter().enumerate() {
         let ends = [i, j].map(|node| node as usize - first);
-        let (xi, _) = springs::axis([i, j], &model.positions);
+        let xi = model.springs.length(bond, &model.positions);
         let fraction = model.area_fraction(i as usize, xi);
         for (own, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
             let area = model.areas[other] * fraction;

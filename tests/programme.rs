@@ -308,7 +308,7 @@ fn under_a_dead_load_the_loaded_part_comes_off_or_swings() {
     }
     let is_above = |node: u32| model.positions[node as usize][1] > 0.05;
     let mut state = State::new(&model, &programme);
-    for (spring, ends) in model.springs.ends.iter().enumerate() {
+    for (spring, ends) in model.springs.pairs().iter().enumerate() {
         state.intact[spring] &= is_above(ends[0]) == is_above(ends[1]);
     }
     let problem = Problem {
@@ -348,7 +348,7 @@ fn a_loaded_part_on_a_hinge_ends_the_run() {
     let hinge = nearest(&model.positions, [0.08, 0.05 + 0.5 * DX]) as u32;
     let mut state = State::new(&model, &programme);
     let is_above = |node: u32| node != hinge && model.positions[node as usize][1] > 0.05;
-    for (spring, ends) in model.springs.ends.iter().enumerate() {
+    for (spring, ends) in model.springs.pairs().iter().enumerate() {
         let crosses = is_above(ends[0]) != is_above(ends[1]);
         state.intact[spring] &= !crosses || ends.contains(&hinge);
     }

@@ -10,8 +10,8 @@
 
 use super::control::Problem;
 use super::state::State;
+use crate::model::Model;
 use crate::phases::Phases;
-use crate::springs;
 use crate::statics::{Solution, Solver, StaticsError};
 use rayon::prelude::*;
 
@@ -108,14 +108,10 @@ impl Response {
 
     /// Stretches of a spring under what is held, and per unit of λ.
     fn stretches(&self, problem: &Problem, spring: usize) -> [f64; 2] {
-        let model = problem.model;
-        let stretch = |u: &Solution| {
-            springs::stretch(
-                model.springs.ends[spring],
-                &model.positions,
-                &u.displacement,
-            )
-        };
+        let Model {
+            springs, positions, ..
+        } = problem.model;
+        let stretch = |u: &Solution| springs.stretch(spring, positions, &u.displacement);
         [self.held.as_ref().map_or(0.0, stretch), stretch(&self.unit)]
     }
 

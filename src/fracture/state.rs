@@ -5,7 +5,6 @@ use super::failure::CriticalStretch;
 use super::programme::Programme;
 use super::response::{Load, Response};
 use crate::model::Model;
-use crate::springs;
 use crate::statics::StaticsError;
 use crate::support;
 use rayon::prelude::*;
@@ -161,7 +160,7 @@ impl State {
         self.energy.elastic = elastic;
         for (spring, before) in self.just_broken.drain(..) {
             let spring = spring as usize;
-            let (length, _) = springs::axis(model.springs.ends[spring], &model.positions);
+            let length = model.springs.length(spring, &model.positions);
             let after = length * response.stretch(problem, spring, load);
             self.energy.dissipated += 0.5 * model.springs.stiffness[spring] * before * after;
         }
@@ -203,7 +202,7 @@ impl State {
             model, programme, ..
         } = problem;
         for &spring in bonds {
-            let (length, _) = springs::axis(model.springs.ends[spring], &model.positions);
+            let length = model.springs.length(spring, &model.positions);
             let elongation = length * self.stretch(model, spring);
             self.intact[spring] = false;
             self.just_broken.push((spring as u32, elongation));
@@ -216,8 +215,10 @@ impl State {
 
     /// Stretch of a spring [-].
     pub fn stretch(&self, model: &Model, spring: usize) -> f64 {
-        let ends = model.springs.ends[spring];
-        springs::stretch(ends, &model.positions, &self.displacement)
+        let Model {
+            springs, positions, ..
+        } = model;
+        springs.stretch(spring, positions, &self.displacement)
     }
 
     /// The intact spring nearest to its limit, and its stretch over it [-].
@@ -240,9 +241,9 @@ pub fn damage(model: &Model, intact: &[bool]) -> Vec<f64> {
     let first = model.fe_node_count();
     let mut broken = vec![0.0; model.areas.len()];
     let mut whole = vec![0.0; model.areas.len()];
-    for (bond, &[i, j]) in model.springs.ends[..model.bond_count].iter().enumerate() {
+    for (bond, &[i, j]) in model.springs.pairs()[..model.bond_count].iter().enumerate() {
         let ends = [i, j].map(|node| node as usize - first);
-        let (xi, _) = springs::axis([i, j], &model.positions);
+        let xi = model.springs.length(bond, &model.positions);
         let fraction = model.area_fraction(i as usize, xi);
         for (own, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
             let area = model.areas[other] * fraction;

@@ -190,13 +190,21 @@ impl Outcome<'_> {
         let stiff: Vec<usize> = (0..model.springs.len())
             .filter(|&s| model.springs.stiffness[s] != 0.0)
             .collect();
-        let ends: Vec<[usize; 2]> = stiff
-            .iter()
-            .map(|&s| model.springs.ends[s].map(|n| n as usize))
-            .collect();
-        let mut part = Part::of_lines(model.positions.clone(), &ends);
+        let mut points = model.positions.clone();
+        let mut u = frame.displacement.clone();
+        let mut ends: Vec<[usize; 2]> = Vec::with_capacity(stiff.len());
+        for &s in &stiff {
+            if let Some(pair) = model.springs.pairs().get(s) {
+                ends.push(pair.map(|n| n as usize));
+            } else {
+                // Interpolated ends are points of their own.
+                ends.push([points.len(), points.len() + 1]);
+                points.extend(model.springs.segment(s, &model.positions));
+                u.extend(model.springs.end_displacements(s, &frame.displacement));
+            }
+        }
+        let mut part = Part::of_lines(points, &ends);
         if self.wants(OutputField::Displacement) {
-            let u = frame.displacement.clone();
             part.point_data
                 .push(Field::vector(FieldName::Displacement, u));
         }

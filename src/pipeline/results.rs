@@ -334,6 +334,7 @@ impl Outcome<'_> {
             "end": course.history.last().map(point),
             "control": self.plan.spec.loading.as_ref().map(|loading| loading.control),
             "stopped_because": course.reason,
+            "fragments": course.fragments,
             "phases": self.plan.loading.as_ref().map(|loading| {
                 loading.phases.iter().map(|phase| &phase.name).collect::<Vec<_>>()
             }),

@@ -1,6 +1,7 @@
 //! A pipeline file to results: [`spec`] (YAML as written) → [`plan`] (checked) → [`stamp`] (what is
 //! stale) → [`run`].
 
+mod damage_picture;
 mod files;
 pub mod folder;
 pub mod fracture;

@@ -1,9 +1,11 @@
 //! The solve stage of a fracture run: history line by line, frames, and a checkpoint after every
 //! step, from which a killed run goes on with the same bits.
 
+use super::damage_picture::Latest;
 use super::folder::{file_error, remove};
 use super::plan::{Loading, Plan};
 use super::run::{Observer, RunError};
+use super::spec::Output;
 use super::stamp;
 use super::validate::limits;
 use crate::boundary::Boundary;
@@ -212,8 +214,10 @@ pub(super) fn run(
     };
     let start = Instant::now();
     let first = state.step;
+    let mut latest = Latest::default();
     let ending = control::run(&problem, &mut state, phases, |state, record, unit| {
         writer.step(state, record, unit)?;
+        latest.show(plan, model, state.step, &state.intact)?;
         last = Some(unit.clone());
         let rate = start.elapsed().as_secs_f64() / (state.step - first) as f64;
         let line = writer
@@ -322,7 +326,11 @@ impl<'a> Writer<'a> {
         self.history.push(line);
         writeln!(self.csv, "{}", line.csv())
             .map_err(|source| file_error("write", &self.csv_path, source))?;
-        if first_break || state.step.is_multiple_of(self.plan.output.every) {
+        let Output {
+            every, pictures_at, ..
+        } = &self.plan.output;
+        let is_pictured = pictures_at.contains(&state.step);
+        if first_break || is_pictured || state.step.is_multiple_of(*every) {
             self.frame(state)?;
         }
         self.checkpoint(state, unit)

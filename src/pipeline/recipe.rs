@@ -34,6 +34,7 @@ pub(super) fn recipe(
         "loading.until",
         "loading.most_passes",
         "output.every",
+        "output.pictures_at",
     ];
     let (settings, inputs) = match stage {
         Stage::Mesh => {

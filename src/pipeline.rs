@@ -1,10 +1,12 @@
 //! A pipeline file to results: [`spec`] (YAML as written) → [`plan`] (checked) → [`stamp`] (what is
 //! stale) → [`run`].
 
+mod checkpoint;
 mod damage_picture;
 mod files;
 pub mod folder;
 pub mod fracture;
+pub mod history;
 mod meshing;
 mod pictures;
 pub mod plan;

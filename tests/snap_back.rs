@@ -38,7 +38,7 @@ fn griffith(a: f64) -> f64 {
     (YOUNG * RATE).sqrt() * THICKNESS * WIDTH.sqrt() / f
 }
 
-/// A line of history.csv by the names of its columns.
+/// The numbers of a line of history.csv by the names of their columns.
 type Line = BTreeMap<String, f64>;
 
 struct Run {
@@ -65,8 +65,10 @@ impl Run {
         let mut lines = text.lines().map(|line| line.split(','));
         let names: Vec<String> = (lines.next().expect("names").map(str::to_owned)).collect();
         let line = |values: std::str::Split<char>| {
-            let values = values.map(|v| v.parse().expect("a number"));
-            names.iter().cloned().zip(values).collect()
+            let pairs = names.iter().cloned().zip(values);
+            pairs
+                .filter_map(|(name, value)| Some((name, value.parse().ok()?)))
+                .collect()
         };
         let summary = std::fs::read(folder.join("summary.json")).expect("a summary");
         Run {

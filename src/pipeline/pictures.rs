@@ -1,7 +1,8 @@
 //! The pictures of a run: mesh, displacements, damage, reaction over grip displacement.
 
 use super::damage_picture::{DAMAGE_PICTURE, damage_file, damage_picture, dots};
-use super::fracture::{Line, read_frame};
+use super::fracture::read_frame;
+use super::history::Line;
 use super::results::{Outcome, ResultsError};
 use super::run::RunError;
 use super::solved::Course;

@@ -1,6 +1,7 @@
 //! What a run leaves in `results/NAME/`: VTU parts and their PVD, pictures, `summary.json`.
 
-use super::fracture::{Frame, Line, read_frame};
+use super::fracture::{Frame, read_frame};
+use super::history::Line;
 use super::plan::{Plan, Probe};
 use super::run::RunError;
 use super::solved::Solved;
@@ -273,7 +274,7 @@ impl Outcome<'_> {
                 "length_m": i.edges.iter().map(|e| model.edge_length(e)).sum::<f64>(),
             })).collect::<Vec<_>>(),
             "probes": self.plan.probes.iter().map(|p| self.probe(p)).collect::<Vec<_>>(),
-            "reactions_n": group_reactions(self.boundary, &self.solved.solution),
+            "reactions_n": group_reactions(self.boundary, &self.solved.solution.reaction),
             "residual": self.solved.solution.residual,
             "phases": phases.list.iter().map(|phase| json!({
                 "phase": phase.name,

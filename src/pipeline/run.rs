@@ -319,9 +319,9 @@ impl Run<'_> {
         self.lock()?;
         self.observer.starts(Stage::Solve);
         let start = Instant::now();
-        let solved = match self.plan.loading {
+        let solved = match &self.plan.loading {
             None => self.solve_once(model, boundary)?,
-            Some(loading) => self.break_apart(loading, model, boundary, &recipe)?,
+            Some(loading) => self.break_apart(loading, model, &recipe)?,
         };
         let bytes = encode(&StoredSolution::from(&solved));
         let mut files = vec![SOLUTION_FILE.to_owned()];
@@ -353,9 +353,8 @@ impl Run<'_> {
 
     fn break_apart(
         &mut self,
-        loading: Loading,
+        loading: &Loading,
         model: &Model,
-        boundary: &Boundary,
         recipe: &Recipe,
     ) -> Result<Solved, RunError> {
         if self.options.force {
@@ -376,7 +375,6 @@ impl Run<'_> {
             self.plan,
             loading,
             model,
-            boundary,
             &recipe,
             self.observer,
             &mut self.phases,

@@ -1,6 +1,6 @@
 //! What the solve stage delivers, and the form in which it is kept.
 
-use super::fracture::Line;
+use super::history::Line;
 use crate::fracture::control::Ending;
 use crate::statics::{Solution, SystemSize};
 use serde::{Deserialize, Serialize};

@@ -148,9 +148,10 @@ fn connected_parts(model: &Model, intact: &[bool]) -> Vec<Vec<usize>> {
         let (a, b) = (root(&mut parent, a), root(&mut parent, b));
         parent[a.max(b) as usize] = a.min(b);
     };
-    for (s, &[a, b]) in model.springs.ends.iter().enumerate() {
-        if intact[s] && model.springs.stiffness[s] != 0.0 {
-            join(a, b);
+    for (s, &intact) in intact.iter().enumerate() {
+        if intact && model.springs.stiffness[s] != 0.0 {
+            let nodes = model.springs.nodes(s);
+            nodes.windows(2).for_each(|pair| join(pair[0], pair[1]));
         }
     }
     for element in 0..model.elements.len() {

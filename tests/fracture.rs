@@ -17,7 +17,6 @@ use peristitch::peridynamics::lattice::Placement;
 use peristitch::phases::Phases;
 use peristitch::pipeline::plan::Plan;
 use peristitch::pipeline::validate;
-use peristitch::springs;
 use peristitch::statics::{Solver, StaticsError};
 use peristitch::support;
 use std::collections::BTreeSet;
@@ -164,11 +163,13 @@ fn limits(model: &Model) -> Limits {
 }
 
 fn stretch(model: &Model, spring: usize, displacement: &[[f64; 2]]) -> f64 {
-    springs::stretch(model.springs.ends[spring], &model.positions, displacement)
+    model
+        .springs
+        .stretch(spring, &model.positions, displacement)
 }
 
 fn length(model: &Model, spring: usize) -> f64 {
-    springs::axis(model.springs.ends[spring], &model.positions).0
+    model.springs.length(spring, &model.positions)
 }
 
 #[test]
@@ -182,7 +183,7 @@ fn damage_of_the_row_beside_a_straight_crack() {
     assert_eq!(format!("{found:.4}"), "0.4167");
     // Without the four of exactly δ, where the kernel is zero: 19 of 44.
     let horizon = model.points[0].micromodulus.horizon;
-    let has = |spring: &usize| model.springs.ends[*spring].contains(&(beside as u32));
+    let has = |spring: &usize| model.springs.nodes(*spring).contains(&(beside as u32));
     let shorter = |spring: &usize| length(&model, *spring) < (1.0 - 1e-9) * horizon;
     let family: Vec<usize> = (0..model.bond_count).filter(has).filter(shorter).collect();
     let broken = family
@@ -212,7 +213,7 @@ fn discrete_energy_release_rate(direction: [f64; 2], period: f64, periods: f64) 
     let s0 = 1e-4;
     let mut energy = 0.0;
     for spring in 0..model.bond_count {
-        let [a, b] = model.springs.ends[spring].map(|node| {
+        let [a, b] = model.springs.pairs()[spring].map(|node| {
             let x = model.positions[node as usize];
             [x[0] - through[0], x[1] - through[1]]
         });
@@ -538,7 +539,7 @@ fn a_chunk_on_a_hinge_does_not_stop_the_run() {
     let hinge = nearest(&model.positions, [4.5 * DX, 0.05 + 0.5 * DX]) as u32;
     let mut state = plate.start();
     let mut joined = 0;
-    for (spring, ends) in model.springs.ends.iter().enumerate() {
+    for (spring, ends) in model.springs.pairs().iter().enumerate() {
         if chunk.contains(&ends[0]) != chunk.contains(&ends[1]) {
             state.intact[spring] = ends.contains(&hinge);
             joined += usize::from(state.intact[spring]);
@@ -605,7 +606,7 @@ loading: {{ control: one-pass, steps: 10 }}
         let (model, _) = validate::discretise(&plan, mesh.clone()).expect("a model");
         let limits = validate::limits(&plan, &model);
         let mut counts = [0, 0];
-        for (spring, ends) in model.springs.ends.iter().enumerate() {
+        for (spring, ends) in model.springs.pairs().iter().enumerate() {
             let is_truss = spring >= model.bond_count;
             let is_point = |node: u32| node as usize >= model.fe_node_count();
             let held = |node: u32| is_point(node) && model.positions[node as usize][0] < 0.05;

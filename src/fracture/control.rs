@@ -31,13 +31,16 @@ pub struct Until {
     pub separated: bool,
 }
 
-/// How a run ended; none of these is an error.
+/// How a run ended; none of these is an error but [`Ending::Singular`], behind which the last good state
+/// stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
     /// The reaction fell under 2 % of its peak, or a loaded part broke off.
     Separated,
     /// A loaded part hangs on a hinge and swings freely.
     Collapsed,
+    /// K of what is left is singular, or too close to it for a solution.
+    Singular,
     /// The programme has come to its end.
     LoadLimit,
     /// All steps are done.
@@ -49,20 +52,27 @@ pub enum Ending {
 }
 
 impl Ending {
-    pub const ALL: [Ending; 6] = [
+    pub const ALL: [Ending; 7] = [
         Ending::Separated,
         Ending::Collapsed,
+        Ending::Singular,
         Ending::LoadLimit,
         Ending::StepLimit,
         Ending::PassLimit,
         Ending::NothingLeftToBreak,
     ];
 
+    /// The one that [`Ending::describe`] calls so.
+    pub fn from_description(name: &str) -> Option<Ending> {
+        Ending::ALL.into_iter().find(|e| e.describe() == name)
+    }
+
     /// In a few words.
     pub fn describe(self) -> &'static str {
         match self {
             Ending::Separated => "separated",
             Ending::Collapsed => "collapsed",
+            Ending::Singular => "stopped, singular",
             Ending::LoadLimit => "load limit",
             Ending::StepLimit => "step limit",
             Ending::PassLimit => "pass limit",
@@ -112,8 +122,13 @@ pub fn run<E: From<StaticsError>>(
         return Ok(ending);
     }
     let solver = Solver::new(problem.model, problem.programme.supports(), phases)?;
-    let Some(mut response) = Response::new(&solver, problem, state, phases)? else {
-        return Ok(Ending::Collapsed);
+    let mut response = match Response::new(&solver, problem, state, phases) {
+        Ok(response) => response,
+        // Before the first step it is the problem that has no solution.
+        Err(error) if state.step == 0 && !matches!(error, StaticsError::Swings { .. }) => {
+            return Err(error.into());
+        }
+        Err(error) => return Ok(state.stop(&error)),
     };
     while let Some(load) = next_load(problem, state, &response) {
         state.step += 1;
@@ -127,9 +142,12 @@ pub fn run<E: From<StaticsError>>(
             if state.load_lost || broken == 0 || !passes_again(problem.control, record.passes) {
                 break broken;
             }
-            match Response::new(&solver, problem, state, phases)? {
-                Some(settled) => response = settled,
-                None => break broken,
+            match Response::new(&solver, problem, state, phases) {
+                Ok(settled) => response = settled,
+                Err(error) => {
+                    state.stop(&error);
+                    break broken;
+                }
             }
         };
         observe(state, record, &response)?;
@@ -138,9 +156,9 @@ pub fn run<E: From<StaticsError>>(
             return Ok(ending);
         }
         if last_broken > 0 || is_new_phase {
-            match Response::new(&solver, problem, state, phases)? {
-                Some(settled) => response = settled,
-                None => return Ok(Ending::Collapsed),
+            match Response::new(&solver, problem, state, phases) {
+                Ok(settled) => response = settled,
+                Err(error) => return Ok(state.stop(&error)),
             }
         }
     }
@@ -158,8 +176,8 @@ fn ending(problem: &Problem, state: &State) -> Option<Ending> {
     let is_equilibrium = matches!(control, Control::Equilibrium { .. });
     if state.load_lost || (until.separated && state.force.is_spent()) {
         Some(Ending::Separated)
-    } else if state.collapsed {
-        Some(Ending::Collapsed)
+    } else if let Some((ending, _)) = &state.stopped {
+        Some(*ending)
     } else if is_equilibrium && !state.just_broken.is_empty() {
         // The passes did not suffice: a step that has settled leaves no bond freshly broken.
         Some(Ending::PassLimit)

@@ -10,8 +10,8 @@
 
 use super::control::Problem;
 use super::state::State;
+use crate::model::Model;
 use crate::phases::Phases;
-use crate::springs;
 use crate::statics::{Solution, Solver, StaticsError};
 use rayon::prelude::*;
 
@@ -49,37 +49,28 @@ pub struct Response {
 }
 
 impl Response {
-    /// `None` where a loaded part swings freely, which `state` then knows.
-    ///
     /// # Errors
-    /// What else the solver reports.
+    /// What the solver reports.
     pub fn new(
         solver: &Solver,
         problem: &Problem,
         state: &mut State,
         phases: &mut Phases,
-    ) -> Result<Option<Response>, StaticsError> {
+    ) -> Result<Response, StaticsError> {
         let programme = problem.programme;
         let held = programme.held(state.phase);
         let mut cases = vec![&programme.phases[state.phase].boundary];
         cases.extend(&held);
-        let solutions = solver.solve_broken(
+        let mut solutions = solver.solve_broken(
             &cases,
             &state.intact,
             &state.fragments,
             &mut state.mechanisms,
             phases,
-        );
-        let mut solutions = match solutions {
-            Err(StaticsError::Swings { .. }) => {
-                state.collapsed = true;
-                return Ok(None);
-            }
-            solutions => solutions?,
-        };
+        )?;
         let held = held.and_then(|_| solutions.pop());
         let unit = solutions.pop().expect("a solution for every case");
-        Ok(Some(Response { held, unit }))
+        Ok(Response { held, unit })
     }
 
     /// The larger relative residual of the two.
@@ -117,14 +108,10 @@ impl Response {
 
     /// Stretches of a spring under what is held, and per unit of λ.
     fn stretches(&self, problem: &Problem, spring: usize) -> [f64; 2] {
-        let model = problem.model;
-        let stretch = |u: &Solution| {
-            springs::stretch(
-                model.springs.ends[spring],
-                &model.positions,
-                &u.displacement,
-            )
-        };
+        let Model {
+            springs, positions, ..
+        } = problem.model;
+        let stretch = |u: &Solution| springs.stretch(spring, positions, &u.displacement);
         [self.held.as_ref().map_or(0.0, stretch), stretch(&self.unit)]
     }
 

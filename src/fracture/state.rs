@@ -1,11 +1,11 @@
 //! What changes during a run: which bonds are intact, and what their breaking has cost.
 
-use super::control::{Problem, SEPARATED};
+use super::control::{Ending, Problem, SEPARATED};
 use super::failure::CriticalStretch;
 use super::programme::Programme;
 use super::response::{Load, Response};
 use crate::model::Model;
-use crate::springs;
+use crate::statics::StaticsError;
 use crate::support;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -30,8 +30,8 @@ pub struct State {
     pub load_lost: bool,
     /// Dofs that are held because a chunk hangs on a hinge there.
     pub mechanisms: BTreeSet<usize>,
-    /// Whether a load acts along such a dof.
-    pub collapsed: bool,
+    /// Where there is no solution any more: how the run ends, and why.
+    pub stopped: Option<(Ending, String)>,
     pub energy: Energy,
     pub force: LoadForce,
     /// Force [N] and displacement [m] at each of the programme's dofs.
@@ -88,7 +88,7 @@ impl State {
             fragments: Vec::new(),
             load_lost: false,
             mechanisms: BTreeSet::new(),
-            collapsed: false,
+            stopped: None,
             energy: Energy::default(),
             force: LoadForce::default(),
             surroundings: vec![[0.0; 2]; programme.dofs.len()],
@@ -160,7 +160,7 @@ impl State {
         self.energy.elastic = elastic;
         for (spring, before) in self.just_broken.drain(..) {
             let spring = spring as usize;
-            let (length, _) = springs::axis(model.springs.ends[spring], &model.positions);
+            let length = model.springs.length(spring, &model.positions);
             let after = length * response.stretch(problem, spring, load);
             self.energy.dissipated += 0.5 * model.springs.stiffness[spring] * before * after;
         }
@@ -174,6 +174,16 @@ impl State {
             force.stiffness[0] = stiffness;
         }
         force.stiffness[1] = stiffness;
+    }
+
+    /// What is left has no solution: the run ends here.
+    pub fn stop(&mut self, error: &StaticsError) -> Ending {
+        let ending = match error {
+            StaticsError::Swings { .. } => Ending::Collapsed,
+            _ => Ending::Singular,
+        };
+        self.stopped = Some((ending, error.to_string()));
+        ending
     }
 
     /// Intact bonds that are over their limit.
@@ -192,7 +202,7 @@ impl State {
             model, programme, ..
         } = problem;
         for &spring in bonds {
-            let (length, _) = springs::axis(model.springs.ends[spring], &model.positions);
+            let length = model.springs.length(spring, &model.positions);
             let elongation = length * self.stretch(model, spring);
             self.intact[spring] = false;
             self.just_broken.push((spring as u32, elongation));
@@ -205,8 +215,10 @@ impl State {
 
     /// Stretch of a spring [-].
     pub fn stretch(&self, model: &Model, spring: usize) -> f64 {
-        let ends = model.springs.ends[spring];
-        springs::stretch(ends, &model.positions, &self.displacement)
+        let Model {
+            springs, positions, ..
+        } = model;
+        springs.stretch(spring, positions, &self.displacement)
     }
 
     /// The intact spring nearest to its limit, and its stretch over it [-].
@@ -229,9 +241,9 @@ pub fn damage(model: &Model, intact: &[bool]) -> Vec<f64> {
     let first = model.fe_node_count();
     let mut broken = vec![0.0; model.areas.len()];
     let mut whole = vec![0.0; model.areas.len()];
-    for (bond, &[i, j]) in model.springs.ends[..model.bond_count].iter().enumerate() {
+    for (bond, &[i, j]) in model.springs.pairs()[..model.bond_count].iter().enumerate() {
         let ends = [i, j].map(|node| node as usize - first);
-        let (xi, _) = springs::axis([i, j], &model.positions);
+        let xi = model.springs.length(bond, &model.positions);
         let fraction = model.area_fraction(i as usize, xi);
         for (own, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
             let area = model.areas[other] * fraction;

@@ -41,11 +41,11 @@ pub fn bonds(
             micromodulus.axial_stiffness(xi, pair.map(|i| areas[i as usize]), thickness)
         })
         .collect();
-    let ends = pairs
+    let pairs = pairs
         .into_iter()
         .map(|pair| pair.map(|i| i + first_node))
         .collect();
-    Springs { ends, stiffness }
+    Springs::of_pairs(pairs, stiffness)
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {

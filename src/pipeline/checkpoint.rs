@@ -2,6 +2,7 @@
 
 use super::fracture::Reactions;
 use super::history::Line;
+use crate::fracture::control::Ending;
 use crate::fracture::response::Load;
 use crate::fracture::state::{Energy, LoadForce, State};
 use crate::statics::SystemSize;
@@ -33,7 +34,8 @@ struct StoredState {
     fragments: Vec<Vec<usize>>,
     load_lost: bool,
     mechanisms: BTreeSet<usize>,
-    collapsed: bool,
+    /// [`Ending::describe`], and the reason.
+    stopped: Option<(String, String)>,
     energy: [f64; 3],
     force: ([f64; 4], bool),
     surroundings: Vec<[f64; 2]>,
@@ -106,7 +108,8 @@ impl From<&State> for StoredState {
             fragments: state.fragments.clone(),
             load_lost: state.load_lost,
             mechanisms: state.mechanisms.clone(),
-            collapsed: state.collapsed,
+            stopped: (state.stopped.as_ref())
+                .map(|(ending, reason)| (ending.describe().to_owned(), reason.clone())),
             energy: [external, elastic, dissipated],
             force: ([now, peak, first, last], is_on_top),
             surroundings: state.surroundings.clone(),
@@ -133,7 +136,8 @@ impl From<StoredState> for State {
             fragments: stored.fragments,
             load_lost: stored.load_lost,
             mechanisms: stored.mechanisms,
-            collapsed: stored.collapsed,
+            stopped: (stored.stopped)
+                .and_then(|(name, reason)| Some((Ending::from_description(&name)?, reason))),
             energy: Energy {
                 external,
                 elastic,

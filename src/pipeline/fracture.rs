@@ -16,7 +16,6 @@ use crate::fracture::state::{Limits, State};
 use crate::model::Model;
 use crate::output::{partial_name, write_whole};
 use crate::phases::Phases;
-use crate::springs;
 use crate::statics::{Solution, Solver, SystemSize, group_reactions};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
@@ -45,6 +44,8 @@ pub struct Fractured {
     /// Steps that have a frame.
     pub frames: Vec<usize>,
     pub ending: Ending,
+    /// Why there is no solution any more, where the run ended so.
+    pub reason: Option<String>,
     /// The last state.
     pub solution: Solution,
     /// The springs that are intact in it.
@@ -158,7 +159,7 @@ fn nothing_broke(problem: &Problem, state: &State) -> Option<String> {
         return None;
     }
     let (spring, utilisation) = state.most_strained(model, limits)?;
-    let [a, b] = model.springs.ends[spring].map(|node| model.positions[node as usize]);
+    let [a, b] = model.springs.segment(spring, &model.positions);
     let [x, y] = [0, 1].map(|axis| 500.0 * (a[axis] + b[axis]));
     Some(format!(
         "no bond has broken: at λ = {:.4} the largest stretch is {:.0} % of its limit, at ({x:.4}, {y:.4}) mm",
@@ -335,6 +336,7 @@ impl<'a> Writer<'a> {
             history: self.history,
             frames: self.frames,
             ending,
+            reason: state.stopped.as_ref().map(|(_, reason)| reason.clone()),
             intact: state.intact.clone(),
             solution: Solution {
                 displacement: state.displacement.clone(),
@@ -376,18 +378,16 @@ pub(super) fn forget_frames(folder: &Path) -> Result<(), RunError> {
 /// stands for [m]; zero where it never breaks.
 fn crack_lengths(model: &Model, limits: &Limits) -> Vec<f64> {
     let mut lengths = vec![0.0; model.springs.len()];
-    for (spring, &ends) in model.springs.ends.iter().enumerate() {
-        let points = model
-            .points
-            .iter()
-            .find(|p| p.nodes.contains(&(ends[1] as usize)));
+    for (spring, length) in lengths.iter_mut().enumerate() {
+        let region = model.region_of_spring(spring);
+        let points = region.and_then(|r| model.points.iter().find(|p| p.region == r));
         let breakable = limits.of(spring).tension.is_finite();
         if let (true, Some(points)) = (breakable, points) {
-            let (xi, _) = springs::axis(ends, &model.positions);
+            let xi = model.springs.length(spring, &model.positions);
             // The critical stretch cancels.
             let energy = 0.5 * model.springs.stiffness[spring] * xi * xi;
             let rate = points.micromodulus.c0 * points.micromodulus.third_moment();
-            lengths[spring] = energy / (rate * model.settings.thickness);
+            *length = energy / (rate * model.settings.thickness);
         }
     }
     lengths

@@ -48,6 +48,13 @@ pub enum RunError {
         path: PathBuf,
         source: io::Error,
     },
+    /// What there is has been written.
+    #[error("the run stopped behind step {step}: {reason}")]
+    Stopped {
+        step: u64,
+        reason: String,
+        folder: PathBuf,
+    },
     #[error("another run is writing to {}", .folder.display())]
     Busy { folder: PathBuf },
 }
@@ -56,6 +63,11 @@ impl RunError {
     /// What to do.
     pub fn help(&self) -> Option<String> {
         match self {
+            RunError::Stopped { folder, .. } => Some(format!(
+                "the last good state is in {}: look at the damage there. Smaller load steps, \
+                 `control: event-driven` or a support that holds what comes loose may help",
+                folder.display()
+            )),
             RunError::Busy { .. } => Some("wait until it has ended".to_owned()),
             RunError::File { .. } | RunError::Write(_) => Some(
                 "is there space, and may you write there? `--results FOLDER` chooses another place"
@@ -369,6 +381,7 @@ impl Run<'_> {
             history,
             frames,
             ending,
+            reason,
             solution,
             intact,
         } = fracture::run(
@@ -386,6 +399,7 @@ impl Run<'_> {
                 history,
                 frames,
                 ending,
+                reason,
             }),
         })
     }

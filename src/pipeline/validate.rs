@@ -220,18 +220,18 @@ pub fn limits(plan: &Plan, model: &Model) -> Limits {
             table.push(CriticalStretch::new(strength, young, &points.micromodulus));
         }
     }
-    let class = |(spring, &[a, b]): (usize, &[u32; 2])| {
+    let class = |spring: usize| {
         let is_truss = spring >= model.bond_count;
-        let held = unbreakable[a as usize] || unbreakable[b as usize];
+        let mut nodes = model.springs.nodes(spring).iter();
+        let held = nodes.any(|&node| unbreakable[node as usize]);
         if held || (is_truss && !plan.trusses_break) {
             return 0;
         }
         // A truss runs from an element node to a point: the point's material decides.
-        model
-            .region_of_point(b as usize)
-            .map_or(0, |region| class_of[region])
+        let region = model.region_of_spring(spring);
+        region.map_or(0, |region| class_of[region])
     };
-    let class = model.springs.ends.iter().enumerate().map(class).collect();
+    let class = (0..model.springs.len()).map(class).collect();
     Limits { table, class }
 }
 

@@ -36,8 +36,6 @@ const CRACK: f64 = 0.005;
 const YOUNG: f64 = 30e9;
 /// Height of the hybrid's band [m], that of `pipelines/plate_mode_i.yaml`.
 const BAND: f64 = 0.018;
-/// Elements per δ, δ = 4 dx: as coarse as in that pipeline.
-const ELEMENTS_PER_HORIZON: f64 = 1.0;
 
 /// F/u, and G/u² of each tip, per thickness [N/m², J/m⁵ m].
 pub const STIFFNESS: f64 = 2.8213e10;
@@ -60,11 +58,11 @@ pub struct Ratios {
     pub factor: f64,
 }
 
-/// The plate with a horizon of `horizon` crack half-lengths, δ = 4 dx.
-pub fn ratios(plate: Plate, horizon: f64) -> Result<Ratios, Box<dyn Error>> {
-    let spacing = horizon * CRACK / 4.0;
-    let [short, middle, long] =
-        [-1.0, 0.0, 1.0].map(|columns| stiffness(plate, spacing, CRACK + columns * spacing));
+/// The plate with δ = `horizon` · a and δ = `ratio` · dx.
+pub fn ratios(plate: Plate, horizon: f64, ratio: f64) -> Result<Ratios, Box<dyn Error>> {
+    let spacing = horizon * CRACK / ratio;
+    let [short, middle, long] = [-1.0, 0.0, 1.0]
+        .map(|columns| stiffness(plate, [spacing, ratio], CRACK + columns * spacing));
     let middle = middle?;
     let rate = -0.5 * (long? - short?) / (4.0 * spacing);
     // K = √(E G) over the mean stress k u / W.
@@ -77,15 +75,15 @@ pub fn ratios(plate: Plate, horizon: f64) -> Result<Ratios, Box<dyn Error>> {
 }
 
 /// F/u with a crack of half-length `a`.
-fn stiffness(plate: Plate, spacing: f64, a: f64) -> Result<f64, Box<dyn Error>> {
-    let mesh = mesh(plate, spacing, a);
+fn stiffness(plate: Plate, [spacing, ratio]: [f64; 2], a: f64) -> Result<f64, Box<dyn Error>> {
+    let mesh = mesh(plate, ratio * spacing, a);
     let crack = Cracks::new(&mesh, &mesh.curves["crack"]);
     let settings = ModelSettings {
         plane: PlaneState::Stress,
         thickness: 1.0,
         node_area: NodeArea::Lumped,
     };
-    let regions = regions(plate, &mesh, spacing);
+    let regions = regions(plate, &mesh, [spacing, ratio]);
     let model = Model::build(mesh, regions, settings)?.with_cracks(&crack);
     let mut boundary = Boundary::new(&model);
     boundary.displace(&model, "bottom", [None, Some(-0.5)])?;
@@ -102,7 +100,7 @@ fn stiffness(plate: Plate, spacing: f64, a: f64) -> Result<f64, Box<dyn Error>> 
     Ok(work.sum())
 }
 
-fn regions(plate: Plate, mesh: &Mesh, spacing: f64) -> Vec<Region> {
+fn regions(plate: Plate, mesh: &Mesh, [spacing, horizon_ratio]: [f64; 2]) -> Vec<Region> {
     let material = Material {
         young: YOUNG,
         poisson: PlaneState::Stress.bond_based_poisson(),
@@ -113,7 +111,7 @@ fn regions(plate: Plate, mesh: &Mesh, spacing: f64) -> Vec<Region> {
             placement: Placement::CellCentred,
             cell_area: CellArea::Full,
         },
-        horizon_ratio: 4.0,
+        horizon_ratio,
         kernel: Kernel::Quartic,
         partial_area: PartialArea::Full,
     });
@@ -130,9 +128,9 @@ fn regions(plate: Plate, mesh: &Mesh, spacing: f64) -> Vec<Region> {
     regions
 }
 
-/// Squares of Q8 elements; the curves `bottom`, `top` and `crack`, the surfaces `band` and `grips`.
-fn mesh(plate: Plate, spacing: f64, a: f64) -> Mesh {
-    let count = (SIDE * ELEMENTS_PER_HORIZON / (4.0 * spacing)).round() as usize;
+/// Squares of Q8 elements with the side δ, as in that pipeline; the curves `bottom`, `top` and `crack`, the surfaces `band` and `grips`.
+fn mesh(plate: Plate, horizon: f64, a: f64) -> Mesh {
+    let count = (SIDE / horizon).round() as usize;
     let h = SIDE / count as f64;
     let mut mesh = Mesh::default();
     let mut nodes: HashMap<[usize; 2], usize> = HashMap::new();
@@ -187,48 +185,27 @@ fn mesh(plate: Plate, spacing: f64, a: f64) -> Mesh {
     mesh
 }
 
-/// Least-squares slope of ln|error| over ln δ; the order of convergence.
-pub fn order(horizons: &[f64], errors: &[f64]) -> f64 {
-    let points = horizons.iter().zip(errors);
-    let logs: Vec<[f64; 2]> = points.map(|(h, e)| [h.ln(), e.abs().ln()]).collect();
-    let mean = [0, 1].map(|k| logs.iter().map(|p| p[k]).sum::<f64>() / logs.len() as f64);
-    let product = |k: usize| {
-        let terms = logs.iter().map(|p| (p[0] - mean[0]) * (p[k] - mean[k]));
-        terms.sum::<f64>()
-    };
-    product(1) / product(0)
-}
-
 fn main() -> Result<(), Box<dyn Error>> {
-    let given: Vec<f64> = std::env::args().filter_map(|a| a.parse().ok()).collect();
-    let horizons = if given.is_empty() {
-        vec![0.4, 0.2]
-    } else {
-        given
+    let given: Vec<String> = std::env::args().skip(1).collect();
+    let ratio = match given.first().and_then(|a| a.strip_prefix("m=")) {
+        Some(ratio) => ratio.parse()?,
+        None => 4.0,
     };
+    let mut horizons: Vec<f64> = given.iter().filter_map(|a| a.parse().ok()).collect();
+    if horizons.is_empty() {
+        horizons = vec![0.4, 0.2];
+    }
     for plate in [Plate::Peridynamics, Plate::Hybrid] {
-        println!("| {plate:?}, δ/a | k | G | Y |\n| --- | --- | --- | --- |");
-        let mut all = Vec::new();
+        println!("| {plate:?}, δ = {ratio} dx, δ/a | k | G | Y |\n| --- | --- | --- | --- |");
         for &horizon in &horizons {
-            let ratios = ratios(plate, horizon)?;
             let Ratios {
                 stiffness,
                 rate,
                 factor,
-            } = ratios;
+            } = ratios(plate, horizon, ratio)?;
             println!("| {horizon} | {stiffness:.4} | {rate:.4} | {factor:.4} |");
-            all.push(ratios);
         }
-        let order_of = |value: fn(&Ratios) -> f64| {
-            let errors: Vec<f64> = all.iter().map(|r| value(r) - 1.0).collect();
-            order(&horizons, &errors)
-        };
-        println!(
-            "| order | {:.2} | {:.2} | {:.2} |\n",
-            order_of(|r| r.stiffness),
-            order_of(|r| r.rate),
-            order_of(|r| r.factor)
-        );
+        println!();
     }
     Ok(())
 }

@@ -381,6 +381,7 @@ impl Run<'_> {
             history,
             frames,
             ending,
+            fragments,
             reason,
             solution,
             intact,
@@ -399,6 +400,7 @@ impl Run<'_> {
                 history,
                 frames,
                 ending,
+                fragments,
                 reason,
             }),
         })

@@ -102,7 +102,7 @@ impl Run {
         let (model, _) = discretise(&plan, mesh.expect("a mesh")).expect("a model");
         let last = format!("frames/{:06}.bin", self.history.len());
         let frame: Frame = postcard::from_bytes(&read(&last)).expect("a frame");
-        let springs = model.springs.ends.iter();
+        let springs = model.springs.pairs().iter();
         let state = model.intact.iter().zip(&frame.intact);
         let broken = springs.zip(state).filter(|(_, (was, is))| **was && !**is);
         broken

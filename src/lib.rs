@@ -83,6 +83,12 @@
 //!   fracture analysis. Engineering Fracture Mechanics 141, 196–211. The kernel of eq. (9).
 //! - Hu W., Ha Y. D., Bobaru F. (2010). Numerical integration in peridynamics. Technical report,
 //!   University of Nebraska–Lincoln. The partial area HHB.
+//! - Madenci E., Oterkus E. (2014). Peridynamic Theory and Its Applications. Springer. Surface
+//!   correction by two uniaxial strains.
+//! - Le Q. V., Bobaru F. (2018). Surface corrections for peridynamic models in elasticity and fracture.
+//!   Computational Mechanics 61, 499–518.
+//! - Prakash N. (2019). Calibrating bond-associated micromoduli by least squares: surface effects. What
+//!   is built on it is in docs/method.md.
 //!
 //! Finite elements and geometry:
 //! - Hinton E., Rock T., Zienkiewicz O. C. (1976). A note on mass lumping and related processes in the

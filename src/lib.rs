@@ -59,6 +59,8 @@
 //! | g(r), r | kernel, ξ/δ | – |
 //! | c, c0 | micromodulus, per unit thickness | N/m⁵ |
 //! | M2 | ∫₀^δ g ξ² dξ | m³ |
+//! | a, b | coefficients of the isotropised micromodulus c (a + b cos 4φ) | – |
+//! | λ_ij, β_ij | factor of a bond near a free surface | – |
 //! | k | axial stiffness of a bond or truss | N/m |
 //! | E, ν | Young's modulus, Poisson's ratio | Pa, – |
 //! | D | elasticity matrix, Voigt order xx, yy, xy | Pa |
@@ -87,8 +89,8 @@
 //!   correction by two uniaxial strains.
 //! - Le Q. V., Bobaru F. (2018). Surface corrections for peridynamic models in elasticity and fracture.
 //!   Computational Mechanics 61, 499–518.
-//! - Prakash N. (2019). Calibrating bond-associated micromoduli by least squares: surface effects. What
-//!   is built on it is in docs/method.md.
+//! - Prakash N. (2019). Calibrating bond-based peridynamic parameters using a novel least squares
+//!   approach. Journal of Peridynamics and Nonlocal Modeling 1, 45–55.
 //!
 //! Finite elements and geometry:
 //! - Hinton E., Rock T., Zienkiewicz O. C. (1976). A note on mass lumping and related processes in the

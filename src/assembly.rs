@@ -4,7 +4,7 @@
 //! Every column is gathered by one thread from what touches its node, in a fixed order: the bits do
 //! not depend on the number of threads. Dof = 2 · node + axis.
 
-use crate::springs::{self, Springs};
+use crate::springs::Springs;
 use faer::sparse::{SparseColMat, SymbolicSparseColMat, SymbolicSparseColMatRef};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -104,17 +104,18 @@ impl Pattern {
     /// Springs without stiffness (bonds of exactly δ under a kernel that fades to zero) take no place.
     pub fn new(nodes: usize, springs: &Springs, elements: &[ElementStiffness]) -> Pattern {
         let stiff = || {
-            let ends = springs.ends.iter().zip(&springs.stiffness).enumerate();
-            ends.filter(|&(_, (_, &k))| k != 0.0)
-                .map(|(s, (&ends, _))| (s as u32, ends))
+            let all = (0..springs.len()).filter(|&s| springs.stiffness[s] != 0.0);
+            all.map(|s| (s as u32, springs.nodes(s)))
         };
-        let springs_at = Lists::collect(nodes, || stiff().flat_map(|(s, [a, b])| [(a, s), (b, s)]));
+        let springs_at = Lists::collect(nodes, || {
+            stiff().flat_map(|(s, nodes)| nodes.iter().map(move |&node| (node, s)))
+        });
         let elements_at = Lists::collect(nodes, || {
             let numbered = elements.iter().enumerate();
             numbered.flat_map(|(e, element)| element.nodes.iter().map(move |&n| (n, e as u32)))
         });
         let graph = Lists::collect(nodes, || {
-            let by_spring = stiff().flat_map(|(_, [a, b])| [(a, b), (b, a)]);
+            let by_spring = stiff().flat_map(|(_, nodes)| pairs(nodes));
             by_spring.chain(elements.iter().flat_map(|element| pairs(&element.nodes)))
         })
         .into_sets();
@@ -141,7 +142,7 @@ impl Pattern {
         self.symbolic.row_idx().len()
     }
 
-    /// Indices of the springs with stiffness that end at a node.
+    /// Indices of the springs with stiffness that act on a node.
     pub fn springs_at(&self, node: usize) -> &[u32] {
         self.springs_at.of(node)
     }
@@ -161,8 +162,7 @@ impl Pattern {
             .for_each(|(node, values)| {
                 let mut column = Column::new(node as u32, self.upper_neighbours(node), values);
                 for &s in self.springs_at.of(node) {
-                    let s = s as usize;
-                    column.add_spring(springs.ends[s], springs.stiffness[s], positions);
+                    column.add_spring(springs, s as usize, positions);
                 }
                 for &e in self.elements_at.of(node) {
                     column.add_element(&elements[e as usize]);
@@ -255,17 +255,21 @@ impl<'a> Column<'a> {
         }
     }
 
-    /// K = k n⊗n, eqs. (19) and (20).
-    fn add_spring(&mut self, ends: [u32; 2], stiffness: f64, positions: &[[f64; 2]]) {
-        let (_, n) = springs::axis(ends, positions);
-        let block = n.map(|a| n.map(|b| stiffness * a * b));
-        let other = if ends[0] == self.node {
-            ends[1]
-        } else {
-            ends[0]
-        };
-        self.add_block(self.node, block);
-        self.add_block(other, block.map(|row| row.map(|k| -k)));
+    /// K = k w wᵀ; k n⊗n between two nodes, eqs. (19) and (20).
+    fn add_spring(&mut self, springs: &Springs, spring: usize, positions: &[[f64; 2]]) {
+        let mut own = [0.0; 2];
+        springs.for_each_term(spring, positions, |node, w| {
+            if node == self.node {
+                own = w;
+            }
+        });
+        let stiffness = springs.stiffness[spring];
+        springs.for_each_term(spring, positions, |node, w| {
+            self.add_block(
+                node,
+                w.map(|row| own.map(|column| stiffness * row * column)),
+            );
+        });
     }
 
     fn add_element(&mut self, element: &ElementStiffness) {
@@ -281,27 +285,33 @@ impl<'a> Column<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::DVector;
 
     #[test]
     fn gathered_matrix_equals_the_sum_of_dense_contributions() {
         let positions = [[0.0, 0.0], [1.0, 0.2], [0.3, 1.0], [1.2, 1.1]];
-        let springs = Springs {
-            ends: vec![[0, 1], [2, 1], [3, 0], [1, 3]],
-            stiffness: vec![2.0, 3.0, 5.0, 0.0],
-        };
+        let mut springs = Springs::of_pairs(
+            vec![[0, 1], [2, 1], [3, 0], [1, 3]],
+            vec![2.0, 3.0, 5.0, 0.0],
+        );
+        springs.push_interpolated(
+            [[0.1, 0.1], [0.9, 0.4]],
+            [&[(0, 0.7), (3, 0.3)], &[(2, 0.6), (3, 0.4)]],
+            7.0,
+        );
         let matrix = DMatrix::from_fn(6, 6, |i, j| ((i + 1) * (j + 1)) as f64);
         let elements = [ElementStiffness {
             nodes: vec![2, 0, 3],
             matrix,
         }];
         let mut dense = DMatrix::<f64>::zeros(8, 8);
-        for (&[a, b], k) in springs.ends.iter().zip(&springs.stiffness) {
-            let (_, n) = springs::axis([a, b], &positions);
-            for (p, q, sign) in [(a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)] {
-                for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                    dense[(2 * p as usize + i, 2 * q as usize + j)] += sign * k * n[i] * n[j];
-                }
-            }
+        for s in 0..springs.len() {
+            let mut w = DVector::<f64>::zeros(8);
+            springs.for_each_term(s, &positions, |node, [x, y]| {
+                w[2 * node as usize] += x;
+                w[2 * node as usize + 1] += y;
+            });
+            dense += springs.stiffness[s] * &w * w.transpose();
         }
         for (a, &p) in elements[0].nodes.iter().enumerate() {
             for (b, &q) in elements[0].nodes.iter().enumerate() {

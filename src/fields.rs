@@ -3,7 +3,6 @@
 use crate::fem::recovery::nodal_strain;
 use crate::material::{Material, PlaneState};
 use crate::model::Model;
-use crate::springs;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -105,8 +104,11 @@ fn stress_tensor(strain: &Vector3<f64>, material: &Material, plane: PlaneState) 
     [stress[0], stress[1], zz, stress[2]]
 }
 
-/// Stretch of every bond, then of every truss [-].
+/// Stretch of every spring [-].
 pub fn stretches(model: &Model, displacement: &[[f64; 2]]) -> Vec<f64> {
-    let stretch = |&ends: &[u32; 2]| springs::stretch(ends, &model.positions, displacement);
-    model.springs.ends.par_iter().map(stretch).collect()
+    let stretch = |s| model.springs.stretch(s, &model.positions, displacement);
+    (0..model.springs.len())
+        .into_par_iter()
+        .map(stretch)
+        .collect()
 }

@@ -116,7 +116,7 @@ pub struct Model {
     /// A_i of every material point [m²].
     pub areas: Vec<f64>,
     pub points: Vec<PointRegion>,
-    /// Bonds first, then trusses.
+    /// Bonds first, then trusses, then what else a coupling adds.
     pub springs: Springs,
     pub bond_count: usize,
     /// Whether each spring is there at the start: false where it meets an initial crack.
@@ -199,9 +199,9 @@ impl Model {
     /// The same model with the bonds and trusses severed that meet a crack.
     pub fn with_cracks(mut self, cracks: &Cracks) -> Model {
         let positions = &self.positions;
-        let ends = self.springs.ends.par_iter();
-        let intact = ends.map(|ends| {
-            let [a, b] = ends.map(|node| positions[node as usize]);
+        let springs = (0..self.springs.len()).into_par_iter();
+        let intact = springs.map(|s| {
+            let [a, b] = self.springs.segment(s, positions);
             !cracks.sever(a, b)
         });
         self.intact = intact.collect();
@@ -280,6 +280,12 @@ impl Model {
             .iter()
             .find(|p| p.nodes.contains(&node))
             .map(|p| p.region)
+    }
+
+    /// The region whose material points a spring acts on; `None` between finite elements.
+    pub fn region_of_spring(&self, spring: usize) -> Option<usize> {
+        let mut nodes = self.springs.nodes(spring).iter();
+        nodes.find_map(|&node| self.region_of_point(node as usize))
     }
 
     /// The share of a neighbour's area that counts at the distance `xi` from a material point [-].

@@ -64,7 +64,7 @@ fn micromodulus(
 /// C11, C22, C12, C66 and C16 over E of the bonds that end at `point`.
 fn moduli(lattice: &Lattice, bonds: &Springs, point: u32) -> [f64; 5] {
     let mut c = [0.0; 5];
-    for (&ends, k) in bonds.ends.iter().zip(&bonds.stiffness) {
+    for (&ends, k) in bonds.pairs().iter().zip(&bonds.stiffness) {
         if ends.contains(&point) {
             let (xi, [x, y]) = springs::axis(ends, &lattice.positions);
             let weight = k * xi * xi / (2.0 * lattice.areas[point as usize] * THICKNESS * YOUNG);
@@ -207,10 +207,12 @@ fn inner_points_store_the_energy_of_the_lattice_s_moduli() {
             .map(|[x, y]| [xx * x + xy * y, xy * x + yy * y])
             .collect();
         let mut energy = vec![0.0; u.len()];
-        for (&ends, k) in bonds.ends.iter().zip(&bonds.stiffness) {
-            let (xi, _) = springs::axis(ends, &lattice.positions);
-            let elongation = xi * springs::stretch(ends, &lattice.positions, &u);
-            ends.iter()
+        for (s, k) in bonds.stiffness.iter().enumerate() {
+            let elongation =
+                bonds.length(s, &lattice.positions) * bonds.stretch(s, &lattice.positions, &u);
+            bonds
+                .nodes(s)
+                .iter()
                 .for_each(|&i| energy[i as usize] += 0.25 * k * elongation * elongation);
         }
         let inner =

@@ -74,7 +74,7 @@ impl Plate {
             let x = mirror(self.model.positions[node as usize]);
             x.map(|x| (1e6 * x).round() as i64)
         };
-        let springs = self.model.springs.ends.iter().zip(&frame.intact);
+        let springs = self.model.springs.pairs().iter().zip(&frame.intact);
         let broken = springs.filter(|(_, intact)| !**intact);
         let ends = broken.map(|(&[a, b], _)| {
             let (a, b) = (end(a), end(b));

@@ -27,13 +27,12 @@ use peristitch::peridynamics::bonds::bonds;
 use peristitch::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, Lattice, LatticeSettings, Placement, lattice};
 use peristitch::peridynamics::surface::{Surface, SurfaceCorrection};
-use peristitch::springs::{self, Springs};
+use peristitch::springs::Springs;
 
 const DX: f64 = 2.5e-3;
 const THICKNESS: f64 = 0.3;
 const YOUNG: f64 = 30e9;
-/// Long enough that the middle column does not see the ends, but for what least squares carries along
-/// an edge, which fades.
+/// Long enough that the middle column does not see the ends.
 const COLUMNS: usize = 80;
 
 const ALL: [SurfaceCorrection; 5] = [
@@ -77,10 +76,9 @@ fn corrected(
     let surface =
         Surface::new(correction, region, body, &CELLS, micromodulus).expect("positive factors");
     surface.correct(&mut bonds, &points.positions, 7);
-    bonds
-        .ends
-        .iter_mut()
-        .for_each(|ends| *ends = ends.map(|node| node - 7));
+    let pairs = bonds.pairs().iter();
+    let pairs = pairs.map(|pair| pair.map(|node| node - 7)).collect();
+    let bonds = Springs::of_pairs(pairs, bonds.stiffness);
     (points, bonds)
 }
 
@@ -91,7 +89,7 @@ fn errors(correction: SurfaceCorrection, rows: usize, micromodulus: &Micromodulu
     // Half of each bond belongs to the column of either end; the middle column stands for all.
     let is_middle = |node: &u32| *node as usize % COLUMNS == COLUMNS / 2;
     let share =
-        |bond: &usize| 0.5 * bonds.ends[*bond].iter().filter(|n| is_middle(n)).count() as f64;
+        |bond: &usize| 0.5 * bonds.pairs()[*bond].iter().filter(|n| is_middle(n)).count() as f64;
     let column: Vec<usize> = (0..bonds.len()).filter(|bond| share(bond) > 0.0).collect();
     let height = rows as f64 * DX;
     let y = |node: u32| points.positions[node as usize][1] - 0.5 * height;
@@ -103,9 +101,9 @@ fn errors(correction: SurfaceCorrection, rows: usize, micromodulus: &Micromodulu
         let mut f = DVector::zeros(rows);
         let mut energy = 0.0;
         for &bond in &column {
-            let ends = bonds.ends[bond];
+            let ends = bonds.pairs()[bond];
             let stiffness = share(&bond) * bonds.stiffness[bond];
-            let (xi, n) = springs::axis(ends, &points.positions);
+            let (xi, n) = bonds.axis(bond, &points.positions);
             let elongation = strained[mode](ends) * n[0] * n[0] * xi;
             let [i, j] = ends.map(|node| node as usize / COLUMNS);
             energy += 0.5 * stiffness * elongation * elongation;
@@ -208,7 +206,7 @@ fn band(correction: SurfaceCorrection, kernel: Kernel) -> Vec<([[f64; 2]; 2], f6
         let [a, b] = ends.map(|node| points.positions[node as usize]);
         ([a, b], surface.factor(a, b))
     };
-    bonds.ends.iter().map(of_bond).collect()
+    bonds.pairs().iter().map(of_bond).collect()
 }
 
 #[test]
@@ -262,9 +260,9 @@ fn least_squares_balances_a_bar_up_to_its_corners() {
             .map(|[x, y]| [*x, -y / 3.0])
             .collect();
         let mut force = vec![[0.0; 2]; u.len()];
-        for (&ends, stiffness) in bonds.ends.iter().zip(&bonds.stiffness) {
-            let (xi, n) = springs::axis(ends, &points.positions);
-            let f = stiffness * xi * springs::stretch(ends, &points.positions, &u);
+        for (bond, &ends) in bonds.pairs().iter().enumerate() {
+            let (xi, n) = bonds.axis(bond, &points.positions);
+            let f = bonds.stiffness[bond] * xi * bonds.stretch(bond, &points.positions, &u);
             for axis in 0..2 {
                 force[ends[0] as usize][axis] += f * n[axis];
                 force[ends[1] as usize][axis] -= f * n[axis];
@@ -301,7 +299,7 @@ fn curves_and_corners_keep_the_factors_of_the_force_method() {
     let [(_, force), (_, squares)] = [SurfaceCorrection::Force, SurfaceCorrection::LeastSquares]
         .map(|correction| stiffness(correction, &square));
     let mut changed = 0;
-    for (k, ends) in force.ends.iter().enumerate() {
+    for (k, ends) in force.pairs().iter().enumerate() {
         if ends[0] == 0 {
             assert_eq!(force.stiffness[k], squares.stiffness[k]);
         }

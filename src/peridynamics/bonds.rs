@@ -53,11 +53,11 @@ pub fn bonds(
             micromodulus.axial_stiffness([b[0] - a[0], b[1] - a[1]], areas, thickness)
         })
         .collect();
-    let ends = pairs
+    let pairs = pairs
         .into_iter()
         .map(|pair| pair.map(|i| i + first_node))
         .collect();
-    Springs { ends, stiffness }
+    Springs::of_pairs(pairs, stiffness)
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {

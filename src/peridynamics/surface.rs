@@ -109,15 +109,14 @@ impl Surface {
     /// Multiplies the stiffness of every bond by its factor. `positions`: of the points, whose nodes
     /// count from `first_node` [m].
     pub fn correct(&self, bonds: &mut Springs, positions: &[[f64; 2]], first_node: u32) {
-        let correct = |(stiffness, ends): (&mut f64, &[u32; 2])| {
-            let [a, b] = ends.map(|node| positions[(node - first_node) as usize]);
-            *stiffness *= self.factor(a, b);
+        let factor = |pair: &[u32; 2]| {
+            let [a, b] = pair.map(|node| positions[(node - first_node) as usize]);
+            self.factor(a, b)
         };
-        bonds
-            .stiffness
-            .par_iter_mut()
-            .zip(&bonds.ends)
-            .for_each(correct);
+        let factors: Vec<f64> = bonds.pairs().par_iter().map(factor).collect();
+        for (stiffness, factor) in bonds.stiffness.iter_mut().zip(factors) {
+            *stiffness *= factor;
+        }
     }
 }
 

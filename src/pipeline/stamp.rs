@@ -25,8 +25,9 @@ impl Stage {
     /// Raised whenever the stage's results change for the same input.
     fn version(self) -> u32 {
         match self {
-            Stage::Mesh | Stage::Output => 1,
-            Stage::Solve => 2,
+            Stage::Mesh => 1,
+            Stage::Solve => 3,
+            Stage::Output => 2,
         }
     }
 

@@ -24,6 +24,7 @@ use nalgebra::{DMatrix, DVector};
 use peristitch::geometry::Outline;
 use peristitch::material::{Material, PlaneState};
 use peristitch::peridynamics::bonds::bonds;
+use peristitch::peridynamics::isotropy::lattice_moduli;
 use peristitch::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, Lattice, LatticeSettings, Placement, lattice};
 use peristitch::peridynamics::surface::{Surface, SurfaceCorrection};
@@ -192,6 +193,22 @@ fn least_squares_is_exact_in_tension_for_every_kernel() {
             }
         }
     }
+}
+
+/// The factors balance the lattice as it is: a raw micromodulus leaves the strip E_lat, 1.018 E.
+#[test]
+fn least_squares_with_a_raw_micromodulus() {
+    let material = Material {
+        young: YOUNG,
+        poisson: 1.0 / 3.0,
+    };
+    let (m, full) = (4.0 * DX, PartialArea::Full);
+    let raw = Micromodulus::new(Kernel::Quartic, full, &material, PlaneState::Stress, m, DX);
+    let [c11, c12] = lattice_moduli(&raw);
+    let expected = (c11 - c12 * c12 / c11) / YOUNG;
+    assert_eq!(format!("{expected:.4}"), "1.0184");
+    let [tension, _] = errors(SurfaceCorrection::LeastSquares, 20, &raw);
+    assert!((1.0 + 0.01 * tension - expected).abs() < 1e-9, "{tension}");
 }
 
 /// The region is the middle of a bar whose ends are finite elements: 40 of 120 columns.

@@ -14,7 +14,7 @@
 //! one: whole families stay balanced. A strip in tension is then exact.
 //!
 //! An edge along one of the lattice's axes looks the same from every point of a row, so the β are found
-//! once, for an infinite [`Strip`] with the rows' areas. A point has them if its family meets no other
+//! once, for an infinite strip with the rows' areas. A point has them if its family meets no other
 //! edge. All other points keep the factors of the force method. Where a family meets a corner or a curve,
 //! no uniform stress but zero leaves the surface free, and there is nothing to balance. Oblique edges
 //! leave steps in the lattice, and the factors that balance those can be negative: −3.78 at 1°, −0.11 at

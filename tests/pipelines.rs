@@ -32,7 +32,7 @@ const PLATES: [(&str, RangeInclusive<u64>, RangeInclusive<u64>); 2] = [
 /// Two phases: what pushes in the first stays.
 const PROGRAMME: &str = "shear_then_tension";
 /// Traction at the end of its first phase [Pa].
-const SHEAR: f64 = 6e6;
+const SHEAR: f64 = 3e6;
 
 fn run(name: &str, more: &[&str]) -> Value {
     let results = tempfile::tempdir().expect("a temporary folder");

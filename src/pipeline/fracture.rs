@@ -42,6 +42,8 @@ pub struct Fractured {
     /// Steps that have a frame.
     pub frames: Vec<usize>,
     pub ending: Ending,
+    /// Number of nodes of each part that has come off.
+    pub fragments: Vec<usize>,
     /// Why there is no solution any more, where the run ended so.
     pub reason: Option<String>,
     /// The last state.
@@ -328,6 +330,7 @@ impl<'a> Writer<'a> {
             history: self.history,
             frames: self.frames,
             ending,
+            fragments: state.fragments.iter().map(Vec::len).collect(),
             reason: state.stopped.as_ref().map(|(_, reason)| reason.clone()),
             intact: state.intact.clone(),
             solution: Solution {

@@ -378,6 +378,7 @@ impl Run<'_> {
             history,
             frames,
             ending,
+            fragments,
             reason,
             solution,
             intact,
@@ -396,6 +397,7 @@ impl Run<'_> {
                 history,
                 frames,
                 ending,
+                fragments,
                 reason,
             }),
         })

@@ -24,6 +24,7 @@ use peristitch::mesh::{Cell, CellKind, Edge, Mesh};
 use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings, Region};
 use peristitch::peridynamics::kernel::{Kernel, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
+use peristitch::peridynamics::surface::SurfaceCorrection;
 use peristitch::phases::Phases;
 use peristitch::statics;
 use std::collections::HashMap;
@@ -114,6 +115,8 @@ fn regions(plate: Plate, mesh: &Mesh, [spacing, horizon_ratio]: [f64; 2]) -> Vec
         horizon_ratio,
         kernel: Kernel::Quartic,
         partial_area: PartialArea::Full,
+        isotropised: false,
+        surface_correction: SurfaceCorrection::None,
     });
     let region = |name: &str, method| Region {
         name: name.to_owned(),

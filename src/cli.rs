@@ -9,14 +9,15 @@ use crate::pipeline::run::{self, Observer, Options, RunError, Standing};
 use crate::pipeline::source::InputError;
 use crate::pipeline::stamp::Stage;
 use crate::statics::Estimate;
+use crate::verification::{self, Check, Reference, table};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Quasi-static fracture in two dimensions: peridynamics stitched into finite elements.
 #[derive(Parser)]
@@ -33,6 +34,7 @@ Examples:
   peristitch run p.yaml --set geometry.parameters.element=5 --set regions.1.horizon=3
   peristitch check p.yaml
   peristitch explain p.yaml
+  peristitch verify
 
 Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.";
 
@@ -63,6 +65,18 @@ enum Command {
     Explain(Common),
     /// Remove the results
     Clean(Common),
+    /// Measure what the program gets right, here and now, against references; some minutes
+    Verify {
+        /// Only the cases that take a second or so
+        #[arg(long)]
+        quick: bool,
+        /// Print JSON
+        #[arg(long, conflicts_with = "markdown")]
+        json: bool,
+        /// Print a table for a Markdown page
+        #[arg(long)]
+        markdown: bool,
+    },
 }
 
 #[derive(Args)]
@@ -141,7 +155,70 @@ pub fn main() -> ExitCode {
             println!("{}: {removed} files removed", plan.folder.display());
             Ok(())
         }),
+        Command::Verify {
+            quick,
+            json,
+            markdown,
+        } => verify(quick, json, markdown),
     }
+}
+
+/// A line per case as it is measured, then the table; fails if a check falls short.
+fn verify(quick: bool, json: bool, markdown: bool) -> ExitCode {
+    let cases = verification::ladder().into_iter();
+    let cases: Vec<_> = cases.filter(|case| case.is_quick || !quick).collect();
+    let mut checks = Vec::new();
+    let mut failed = false;
+    for (number, case) in cases.iter().enumerate() {
+        let start = Instant::now();
+        eprint!("[{:>2}/{}] {} ... ", number + 1, cases.len(), case.name);
+        match case.run() {
+            Ok(measured) => {
+                let short = measured.iter().filter(|check| !check.holds()).count();
+                let verdict = match short {
+                    0 => "holds".to_owned(),
+                    short => format!("{short} of {} fall short", measured.len()),
+                };
+                eprintln!("{verdict} ({:.1} s)", start.elapsed().as_secs_f64());
+                checks.extend(measured);
+            }
+            Err(error) => {
+                eprintln!("failed: {error}");
+                failed = true;
+            }
+        }
+    }
+    if json {
+        let list: Vec<Value> = checks.iter().map(check_as_json).collect();
+        println!("{:#}", Value::Array(list));
+    } else if markdown {
+        print!("{}", table::markdown(&checks));
+    } else {
+        print!("{}", table::aligned(&checks));
+    }
+    match failed || !checks.iter().all(Check::holds) {
+        true => ExitCode::from(1),
+        false => ExitCode::SUCCESS,
+    }
+}
+
+fn check_as_json(check: &Check) -> Value {
+    let reference = match check.reference {
+        Reference::Value { value, within } => {
+            json!({ "value": value, "within_relative": within })
+        }
+        Reference::Zero { within } => json!({ "value": 0.0, "within": within }),
+        Reference::Between { low, high } => json!({ "low": low, "high": high }),
+    };
+    json!({
+        "case": check.case,
+        "quantity": check.quantity,
+        "reference": reference,
+        "source": check.source,
+        "measured": check.measured,
+        "error": check.error(),
+        "holds": check.holds(),
+    })
 }
 
 /// Reads all pipelines before the first one acts, so that bad input stops everything.

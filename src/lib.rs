@@ -142,3 +142,4 @@ pub mod pipeline;
 pub mod springs;
 pub mod statics;
 pub mod support;
+pub mod verification;

@@ -4,6 +4,7 @@
 //! corners counter-clockwise, then mid-sides 12, 23, 34, 41 (Qian et al. 2021, fig. 3).
 
 pub mod grid;
+pub mod patchwork;
 
 use std::collections::{BTreeMap, HashMap};
 

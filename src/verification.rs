@@ -4,7 +4,89 @@
 //! reference that does not come from this program: a closed form, a published figure, or zero where the
 //! method is exact.
 
+pub mod bend;
+pub mod bodies;
+pub mod centre_crack;
+pub mod cracks;
+pub mod disc;
+pub mod griffith;
+pub mod kirsch;
+pub mod moduli;
+pub mod patches;
+pub mod rigid_modes;
+pub mod strips;
+pub mod table;
+pub mod table_1;
+
+use crate::boundary::BoundaryError;
+use crate::model::ModelError;
+use crate::peridynamics::surface::SurfaceError;
+use crate::statics::StaticsError;
 use std::fmt;
+use thiserror::Error;
+
+/// A case that could not be measured.
+#[derive(Debug, Error)]
+pub enum VerificationError {
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    #[error(transparent)]
+    Boundary(#[from] BoundaryError),
+    #[error(transparent)]
+    Statics(#[from] StaticsError),
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    #[error("nothing has broken that the case needs broken")]
+    NothingBroken,
+}
+
+/// A rung of the ladder: what is measured together.
+#[derive(Clone, Copy)]
+pub struct Case {
+    pub name: &'static str,
+    /// Takes a second or so.
+    pub is_quick: bool,
+    measure: fn() -> Result<Vec<Check>, VerificationError>,
+}
+
+impl Case {
+    /// Measures it, now.
+    ///
+    /// # Errors
+    /// See [`VerificationError`].
+    pub fn run(&self) -> Result<Vec<Check>, VerificationError> {
+        (self.measure)()
+    }
+}
+
+/// All cases, from the smallest part to the whole.
+pub fn ladder() -> Vec<Case> {
+    let quick = |name, measure| Case {
+        name,
+        is_quick: true,
+        measure,
+    };
+    let slow = |name, measure| Case {
+        name,
+        is_quick: false,
+        measure,
+    };
+    vec![
+        quick("rigid modes", rigid_modes::measure),
+        quick("lattice moduli", moduli::measure_moduli),
+        quick("energy of a cut", moduli::measure_energy_release),
+        quick("strips", strips::measure),
+        quick("linear patch", patches::measure_linear),
+        quick("overall equilibrium", patches::measure_balance),
+        quick("damage beside a crack", cracks::measure_damage),
+        quick("Table 1", table_1::measure),
+        slow("plate with a hole", kirsch::measure),
+        slow("Brazilian disc", disc::measure),
+        slow("centre crack", cracks::measure_centre_crack),
+        slow("single-edge bend", bend::measure),
+        slow("Griffith, mirror symmetry", griffith::measure),
+    ]
+}
 
 /// What a number is held against.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +127,12 @@ impl Check {
             }
             Reference::Between { low, high } => (low..=high).contains(&self.measured),
         }
+    }
+}
+
+impl Check {
+    pub fn verdict(&self) -> &'static str {
+        if self.holds() { "holds" } else { "falls short" }
     }
 }
 

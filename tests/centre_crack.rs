@@ -2,12 +2,7 @@
 //! stiffness, energy release rate and geometry factor over their references, as docs/convergence.md has
 //! them. Two independent figures for peridynamics alone at δ/a = 0.4 are k 0.9986 and G 1.045.
 
-// Its command line is not called here.
-#[allow(dead_code)]
-#[path = "../examples/centre_crack.rs"]
-mod study;
-
-use study::{Plate, Ratios, ratios};
+use peristitch::verification::centre_crack::{Plate, Points, Ratios, ratios};
 
 const PAGE: &str = include_str!("../docs/convergence.md");
 
@@ -15,7 +10,7 @@ const PAGE: &str = include_str!("../docs/convergence.md");
 const PRINTED: f64 = 1e-4;
 
 fn assert_level(plate: Plate, horizon: f64, expected: [f64; 3]) -> Ratios {
-    let found = ratios(plate, horizon, 4.0).expect("a sound plate");
+    let found = ratios(plate, Points::Paper, horizon, 4.0).expect("a sound plate");
     let values = [found.stiffness, found.rate, found.factor];
     for (value, expected) in values.into_iter().zip(expected) {
         assert!(

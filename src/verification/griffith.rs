@@ -1,0 +1,230 @@
+//! A long crack in a clamped strip, grown by the event-driven control.
+//!
+//! ```text
+//!   ┌──────────────────┐  clamped, moved up by u/2
+//!   │     elements     │
+//!   ├··················┤
+//!   │──────── points   │  the crack from the left end, along the middle
+//!   ├··················┤
+//!   │     elements     │
+//!   └──────────────────┘  clamped, moved down by u/2
+//! ```
+//!
+//! Far ahead of the tip the strip of height H is stretched with ε_x = 0, far behind it there is nothing:
+//! whatever the tip is like, each step forward releases W H with W = ½ E/(1 − ν²) (u/H)² (Rivlin &
+//! Thomas 1953). So the crack grows, however long it is, at
+//!
+//! u = √(2 G0 H (1 − ν²)/E)
+//!
+//! On a lattice the tip is held between two columns of points, and the opening goes up and down about
+//! that as the crack grows: the mean of each tooth's ends is measured.
+
+use super::bodies::{build, default_lattice, material, region};
+use super::{Check, Reference, VerificationError};
+use crate::boundary::Boundary;
+use crate::cracks::Cracks;
+use crate::fracture::control::{self, Control, Problem, Record, Until};
+use crate::fracture::failure::{CriticalStretch, Strength};
+use crate::fracture::programme::Programme;
+use crate::fracture::response::Response;
+use crate::fracture::state::{Limits, State};
+use crate::mesh::grid::{Grid, name_cells, name_curve};
+use crate::mesh::{CellKind, Edge};
+use crate::model::{Method, Model};
+use crate::phases::Phases;
+
+/// In spacings; dx, E and G0 are 1.
+const LENGTH: usize = 128;
+const HEIGHT: usize = 40;
+const BAND: usize = 24;
+const CRACK: usize = 56;
+/// Columns that the crack is to grow by.
+const GROWTH: usize = 8;
+
+/// The opening per unit of the load factor: the one at which the crack should grow.
+fn opening() -> f64 {
+    let nu: f64 = 1.0 / 3.0;
+    (2.0 * HEIGHT as f64 * (1.0 - nu * nu)).sqrt()
+}
+
+fn strip() -> Result<Model, VerificationError> {
+    let (w, h) = (LENGTH as f64, HEIGHT as f64);
+    let grid = Grid {
+        size: [w, h],
+        count: [LENGTH / 4, HEIGHT / 4],
+        kind: CellKind::Quad8,
+    };
+    let mut mesh = grid.plain();
+    let off = |y: f64| (y - 0.5 * h).abs() - 0.5 * BAND as f64;
+    name_cells(&mut mesh, "band", |[_, y]| off(y) < 0.0);
+    name_cells(&mut mesh, "grips", |[_, y]| off(y) > 0.0);
+    name_curve(&mut mesh, "bottom", |[_, y]| y < 1e-9);
+    name_curve(&mut mesh, "top", |[_, y]| y > h - 1e-9);
+    let first = mesh.nodes.len();
+    mesh.nodes.extend([[0.0, 0.5 * h], [CRACK as f64, 0.5 * h]]);
+    let crack = Edge {
+        ends: [first, first + 1],
+        middle: None,
+    };
+    let cracks = Cracks::new(&mesh, &[crack]);
+    let regions = vec![
+        region(&mesh, &["grips"], material(1.0), Method::FiniteElements),
+        region(
+            &mesh,
+            &["band"],
+            material(1.0),
+            Method::Peridynamics(default_lattice(1.0)),
+        ),
+    ];
+    Ok(build(mesh, regions, 1.0)?.with_cracks(&cracks))
+}
+
+/// What came of the growth.
+#[derive(Clone, Debug)]
+pub struct Growth {
+    /// (crack length in spacings, opening over Griffith's) of every event.
+    pub path: Vec<[f64; 2]>,
+    /// Bonds that broke without their mirror image, and all that broke.
+    pub unmirrored: usize,
+    pub broken: usize,
+    /// Largest |external work − elastic − dissipated energy| over the external work.
+    pub imbalance: f64,
+}
+
+impl Growth {
+    /// The middle between the ends of each tooth: of each column that the tip passes.
+    pub fn teeth(&self) -> Vec<f64> {
+        let columns = CRACK..CRACK + GROWTH;
+        let tooth = |column: usize| {
+            let within = self
+                .path
+                .iter()
+                .filter(|[a, _]| (a + 1e-9) as usize == column);
+            let ends = within.fold([f64::INFINITY, 0.0], |[low, high], &[_, u]| {
+                [f64::min(low, u), f64::max(high, u)]
+            });
+            0.5 * (ends[0] + ends[1])
+        };
+        // The first is not whole: the initial tip is sharper than a grown one.
+        columns
+            .skip(1)
+            .map(tooth)
+            .filter(|mean| mean.is_finite())
+            .collect()
+    }
+}
+
+/// Grows the crack.
+///
+/// # Errors
+/// What building and solving report.
+pub fn grow() -> Result<Growth, VerificationError> {
+    let model = strip()?;
+    let mut boundary = Boundary::new(&model);
+    for (group, sign) in [("top", 0.5), ("bottom", -0.5)] {
+        boundary.displace(&model, group, [Some(0.0), Some(sign * opening())])?;
+    }
+    let programme = Programme::proportional(boundary);
+    let micromodulus = &model.points[0].micromodulus;
+    let bonds = CriticalStretch::new(Strength::EnergyReleaseRate(1.0), 1.0, micromodulus);
+    let limits = Limits {
+        table: vec![CriticalStretch::UNBREAKABLE, bonds],
+        class: (0..model.springs.len())
+            .map(|spring| u8::from(spring < model.bond_count))
+            .collect(),
+    };
+    // The energy of one column of the cut.
+    let column = micromodulus.c0 * micromodulus.third_moment() * bonds.tension.powi(2);
+    let energy_at_limit = |spring: usize| {
+        let e = bonds.tension * model.springs.length(spring, &model.positions);
+        0.5 * model.springs.stiffness[spring] * e * e / column
+    };
+    let problem = Problem {
+        model: &model,
+        programme: &programme,
+        limits: &limits,
+        control: Control::EventDriven,
+        until: Until {
+            steps: 12 * GROWTH,
+            separated: true,
+        },
+    };
+    let mut state = State::new(&model, &programme);
+    let (mut path, mut imbalance) = (Vec::new(), 0.0f64);
+    let observe = |state: &State, _: Record, _: &Response| {
+        let gone = (0..model.bond_count).filter(|&s| model.intact[s] && !state.intact[s]);
+        // The bonds of this event have broken at its load.
+        let now: f64 = state
+            .just_broken
+            .iter()
+            .map(|&(s, _)| energy_at_limit(s as usize))
+            .sum();
+        let length = CRACK as f64 + gone.map(energy_at_limit).sum::<f64>() - now;
+        path.push([length, state.load.factor]);
+        let energy = state.energy;
+        let rest = energy.external - energy.elastic - energy.dissipated;
+        imbalance = imbalance.max((rest / energy.external).abs());
+        Ok::<(), VerificationError>(())
+    };
+    control::run(&problem, &mut state, &mut Phases::default(), observe)?;
+    let (unmirrored, broken) = mirror(&model, &state);
+    if broken == 0 {
+        return Err(VerificationError::NothingBroken);
+    }
+    Ok(Growth {
+        path,
+        unmirrored,
+        broken,
+        imbalance,
+    })
+}
+
+/// How many bonds broke without their mirror image, and how many broke.
+fn mirror(model: &Model, state: &State) -> (usize, usize) {
+    let key = |spring: usize, turn: bool| {
+        let ends = model.springs.segment(spring, &model.positions);
+        let ends = ends.map(|[x, y]| {
+            let y = if turn { HEIGHT as f64 - y } else { y };
+            [x, y].map(|x| (2.0 * x).round() as i64)
+        });
+        [ends[0].min(ends[1]), ends[0].max(ends[1])]
+    };
+    let gone: Vec<usize> = (0..model.bond_count)
+        .filter(|&s| model.intact[s] && !state.intact[s])
+        .collect();
+    let own: std::collections::BTreeSet<_> = gone.iter().map(|&s| key(s, false)).collect();
+    let alone = gone.iter().filter(|&&s| !own.contains(&key(s, true)));
+    (alone.count(), gone.len())
+}
+
+pub fn measure() -> Result<Vec<Check>, VerificationError> {
+    let growth = grow()?;
+    let teeth = growth.teeth();
+    let mean = teeth.iter().sum::<f64>() / teeth.len() as f64;
+    Ok(vec![
+        Check {
+            case: "Griffith, clamped strip",
+            quantity: "opening over √(2G0H(1−ν²)/E)",
+            reference: Reference::Value {
+                value: 1.0,
+                within: 0.05,
+            },
+            source: "Rivlin & Thomas (1953)",
+            measured: mean,
+        },
+        Check {
+            case: "Griffith, clamped strip",
+            quantity: "imbalance of energy",
+            reference: Reference::Zero { within: 1e-10 },
+            source: "exact",
+            measured: growth.imbalance,
+        },
+        Check {
+            case: "mirror symmetry",
+            quantity: "bonds broken on one side only",
+            reference: Reference::Zero { within: 0.0 },
+            source: "exact",
+            measured: growth.unmirrored as f64,
+        },
+    ])
+}

@@ -1,0 +1,68 @@
+//! Rigid motions store no energy, and nothing else does: three eigenvalues of K are zero, no more.
+
+use super::bodies::{build, material, paper_lattice, region};
+use super::{Check, Reference, VerificationError};
+use crate::assembly::Pattern;
+use crate::mesh::CellKind;
+use crate::mesh::grid::{Grid, name_cells};
+use crate::model::{Method, Model};
+use nalgebra::DMatrix;
+
+/// K as a full matrix [N/m].
+pub fn dense(model: &Model) -> DMatrix<f64> {
+    let elements = model.element_stiffness();
+    let pattern = Pattern::new(model.node_count(), &model.springs, &elements);
+    let lower = pattern.assemble(&model.positions, &model.springs, &elements);
+    let n = lower.ncols();
+    let mut k = DMatrix::zeros(n, n);
+    for j in 0..n {
+        let rows = lower.row_idx_of_col_raw(j);
+        for (&i, &value) in rows.iter().zip(lower.val_of_col(j)) {
+            k[(i as usize, j)] = value;
+            k[(j, i as usize)] = value;
+        }
+    }
+    k
+}
+
+/// Eigenvalues over the largest, ascending by size.
+pub fn spectrum(k: &DMatrix<f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = k.symmetric_eigenvalues().iter().copied().collect();
+    values.sort_unstable_by(|a, b| a.abs().total_cmp(&b.abs()));
+    let largest = values[values.len() - 1];
+    values.into_iter().map(|value| value / largest).collect()
+}
+
+/// Elements left of 12 × 8 material points.
+fn hybrid() -> Result<Model, VerificationError> {
+    let grid = Grid {
+        size: [2.0, 0.8],
+        count: [5, 2],
+        kind: CellKind::Quad8,
+    };
+    let mut mesh = grid.plain();
+    name_cells(&mut mesh, "elements", |x| x[0] < 0.8);
+    name_cells(&mut mesh, "points", |x| x[0] > 0.8);
+    let points = Method::Peridynamics(paper_lattice(0.1));
+    let regions = vec![
+        region(&mesh, &["elements"], material(1.0), Method::FiniteElements),
+        region(&mesh, &["points"], material(1.0), points),
+    ];
+    build(mesh, regions, 1.0)
+}
+
+pub fn measure() -> Result<Vec<Check>, VerificationError> {
+    let spectrum = spectrum(&dense(&hybrid()?));
+    let zeros = spectrum.iter().filter(|value| value.abs() < 1e-12).count();
+    Ok(vec![Check {
+        case: "rigid modes",
+        quantity: "zero eigenvalues, truss hybrid, Q8",
+        // A count.
+        reference: Reference::Value {
+            value: 3.0,
+            within: 0.0,
+        },
+        source: "exact",
+        measured: zeros as f64,
+    }])
+}

@@ -296,8 +296,9 @@ impl Model {
             };
             let outline = Outline::of_cells(&self.mesh, &region.cells);
             check_count(region, &outline, settings.lattice.spacing)?;
-            let Lattice { positions, areas } =
-                lattice(&outline, &self.interface_segments(index), &settings.lattice);
+            let Lattice {
+                positions, areas, ..
+            } = lattice(&outline, &self.interface_segments(index), &settings.lattice);
             if positions.is_empty() {
                 return Err(ModelError::NoMaterialPoint {
                     region: region.name.clone(),

@@ -335,6 +335,8 @@ impl Reader<'_> {
             spacing,
             placement: region.points.map_or(Placement::CellCentred, placement),
             cell_area: region.cell_area.map_or(CellArea::Clipped, cell_area),
+            angle: 0.0,
+            origin: None,
         };
         Ok(Method::Peridynamics(PeridynamicSettings {
             lattice,

@@ -4,18 +4,25 @@
 //! region. Immutable once built.
 
 use crate::assembly::ElementStiffness;
+use crate::coupling::Coupling;
+use crate::coupling::clip::side::Side;
+use crate::coupling::clip::{self, clip};
 use crate::coupling::truss::{InterfaceNode, NodeArea, trusses};
 use crate::cracks::Cracks;
 use crate::fem::element;
 use crate::geometry::{Outline, chords};
 use crate::material::{Material, PlaneState};
 use crate::mesh::{Cell, Edge, Mesh};
+use crate::peridynamics::axes::Axes;
 use crate::peridynamics::bonds::bonds;
 use crate::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
-use crate::peridynamics::lattice::{Lattice, LatticeSettings, lattice};
+use crate::peridynamics::lattice::{
+    Lattice, LatticeSettings, Neighbourhood, ON_BOUNDARY, lattice_beside,
+};
+use crate::peridynamics::surface::{Surface, SurfaceCorrection, SurfaceError};
 use crate::springs::Springs;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 use thiserror::Error;
 
@@ -42,6 +49,29 @@ pub struct PeridynamicSettings {
     pub horizon_ratio: f64,
     pub kernel: Kernel,
     pub partial_area: PartialArea,
+    /// Whether c(ξ) is corrected such that the lattice has the material's moduli.
+    pub isotropised: bool,
+    pub surface_correction: SurfaceCorrection,
+}
+
+impl PeridynamicSettings {
+    /// c(ξ) of a material on this lattice.
+    pub fn micromodulus(&self, material: &Material, plane: PlaneState) -> Micromodulus {
+        let spacing = self.lattice.spacing;
+        let raw = Micromodulus::new(
+            self.kernel,
+            self.partial_area,
+            material,
+            plane,
+            self.horizon_ratio * spacing,
+            spacing,
+        );
+        if self.isotropised {
+            raw.isotropised()
+        } else {
+            raw
+        }
+    }
 }
 
 /// What holds for the whole model.
@@ -50,8 +80,7 @@ pub struct ModelSettings {
     pub plane: PlaneState,
     /// h_t [m].
     pub thickness: f64,
-    /// A_FE of the truss coupling.
-    pub node_area: NodeArea,
+    pub coupling: Coupling,
 }
 
 /// Where a finite-element and a peridynamic region meet.
@@ -130,6 +159,11 @@ pub enum ModelError {
         points: f64,
         limit: f64,
     },
+    #[error("the surface correction of region `{region}` fails: {source}")]
+    Surface {
+        region: String,
+        source: SurfaceError,
+    },
 }
 
 /// More material points than these are a slip of the pen: their factor takes terabytes.
@@ -162,7 +196,9 @@ impl Model {
         };
         model.add_finite_elements()?;
         model.add_material_points()?;
-        model.add_trusses();
+        if let Coupling::Truss(node_area) = model.settings.coupling {
+            model.add_trusses(node_area);
+        }
         model.intact = vec![true; model.springs.len()];
         Ok(model)
     }
@@ -295,31 +331,48 @@ impl Model {
                 continue;
             };
             let outline = Outline::of_cells(&self.mesh, &region.cells);
-            check_count(region, &outline, settings.lattice.spacing)?;
-            let Lattice {
-                positions, areas, ..
-            } = lattice(&outline, &self.interface_segments(index), &settings.lattice);
-            if positions.is_empty() {
+            let axes = settings.lattice.axes();
+            let turned = axes.outline(&outline);
+            check_count(region, &turned, settings.lattice.spacing)?;
+            let lattice = self.lattice(index, &turned, &settings.lattice);
+            if lattice.positions.is_empty() {
                 return Err(ModelError::NoMaterialPoint {
                     region: region.name.clone(),
                 });
             }
-            let micromodulus = Micromodulus::new(
-                settings.kernel,
-                settings.partial_area,
-                &region.material,
-                self.settings.plane,
-                settings.horizon_ratio * settings.lattice.spacing,
-                settings.lattice.spacing,
-            );
+            let micromodulus = settings.micromodulus(&region.material, self.settings.plane);
             let first = fe_nodes + self.areas.len();
-            self.springs.append(bonds(
-                &positions,
-                &areas,
-                &micromodulus,
-                self.settings.thickness,
-                first as u32,
-            ));
+            let Lattice {
+                positions, areas, ..
+            } = &lattice;
+            let thickness = self.settings.thickness;
+            let mut bonds = bonds(positions, areas, &micromodulus, thickness, first as u32);
+            let surface = self.surface(region, &turned, &settings, &micromodulus)?;
+            if let Some(surface) = &surface {
+                surface.correct(&mut bonds, positions, first as u32);
+            }
+            if self.settings.coupling == Coupling::Clip {
+                let clipped = clip(&clip::Region {
+                    outline: &turned,
+                    sides: &self.sides(index, &axes),
+                    index: &lattice.index,
+                    axes,
+                    areas,
+                    micromodulus: &micromodulus,
+                    surface: surface.as_ref(),
+                    thickness,
+                    first_node: first as u32,
+                });
+                let first = first as u32;
+                bonds.retain_pairs(|pair| {
+                    let pair = pair.map(|node| node - first);
+                    clipped.replaced.binary_search(&pair).is_err()
+                });
+                bonds.append(clipped.springs);
+            }
+            let positions: Vec<[f64; 2]> = positions.iter().map(|&x| axes.global(x)).collect();
+            let areas = lattice.areas;
+            self.springs.append(bonds);
             self.points.push(PointRegion {
                 region: index,
                 nodes: first..first + positions.len(),
@@ -330,8 +383,81 @@ impl Model {
             self.positions.extend(positions);
             self.areas.extend(areas);
         }
-        self.bond_count = self.springs.len();
+        self.bond_count = self.springs.pairs().len();
         Ok(())
+    }
+
+    /// The material points of a region, along the lattice's axes.
+    fn lattice(&self, region: usize, turned: &Outline, settings: &LatticeSettings) -> Lattice {
+        let axes = settings.axes();
+        let segments = self.interface_segments(region).into_iter();
+        let interface: Vec<_> = segments.map(|s| s.map(|x| axes.local(x))).collect();
+        let body = axes.outline(&self.body());
+        let is_clip = self.settings.coupling == Coupling::Clip;
+        let neighbourhood = Neighbourhood {
+            interface: &interface,
+            clearance: if is_clip {
+                clip::CLEARANCE
+            } else {
+                ON_BOUNDARY
+            },
+            body: is_clip.then_some(&body),
+        };
+        lattice_beside(turned, &neighbourhood, &settings.along_axes())
+    }
+
+    /// The outline of all regions together.
+    fn body(&self) -> Outline {
+        let mut cells: Vec<usize> = self.regions.iter().flat_map(|r| r.cells.clone()).collect();
+        cells.sort_unstable();
+        Outline::of_cells(&self.mesh, &cells)
+    }
+
+    /// The sides of a region's outline, with the region on the left, along the lattice's axes.
+    fn sides(&self, region: usize, axes: &Axes) -> Vec<Side> {
+        let interface: HashSet<[usize; 2]> = self
+            .interfaces
+            .iter()
+            .filter(|i| i.peridynamics == region)
+            .flat_map(|i| i.edges.iter().map(Edge::key))
+            .collect();
+        let position = |node: usize| axes.local(self.mesh.nodes[node]);
+        let side = |edge: Edge| Side {
+            ends: edge.ends.map(position),
+            middle: edge.middle.map(position),
+            nodes: if interface.contains(&edge.key()) {
+                edge.nodes().filter_map(|node| self.node_of[node]).collect()
+            } else {
+                Vec::new()
+            },
+        };
+        let edges = self.mesh.outline(&self.regions[region].cells);
+        edges.into_iter().map(side).collect()
+    }
+
+    /// The factors of a region's bonds near free surfaces, if it is to be corrected. `turned`: the
+    /// region's outline along the lattice's axes.
+    fn surface(
+        &self,
+        region: &Region,
+        turned: &Outline,
+        settings: &PeridynamicSettings,
+        micromodulus: &Micromodulus,
+    ) -> Result<Option<Surface>, ModelError> {
+        if settings.surface_correction == SurfaceCorrection::None {
+            return Ok(None);
+        }
+        let surface = Surface::new(
+            settings.surface_correction,
+            turned,
+            &settings.lattice.axes().outline(&self.body()),
+            &settings.lattice.along_axes(),
+            micromodulus,
+        );
+        surface.map(Some).map_err(|source| ModelError::Surface {
+            region: region.name.clone(),
+            source,
+        })
     }
 
     fn interface_segments(&self, region: usize) -> Vec<[[f64; 2]; 2]> {
@@ -350,10 +476,10 @@ impl Model {
             .collect()
     }
 
-    fn add_trusses(&mut self) {
+    fn add_trusses(&mut self, node_area: NodeArea) {
         let lumped = self.lumped_areas();
         for points in &self.points {
-            let ends = self.interface_nodes(points, &lumped);
+            let ends = self.interface_nodes(points, node_area, &lumped);
             let fe_nodes = self.positions.len() - self.areas.len();
             let range = points.nodes.start - fe_nodes..points.nodes.end - fe_nodes;
             self.springs.append(trusses(
@@ -368,7 +494,12 @@ impl Model {
     }
 
     /// The interface nodes of one peridynamic region with their areas A_FE, in ascending order.
-    fn interface_nodes(&self, points: &PointRegion, lumped: &[f64]) -> Vec<InterfaceNode> {
+    fn interface_nodes(
+        &self,
+        points: &PointRegion,
+        node_area: NodeArea,
+        lumped: &[f64],
+    ) -> Vec<InterfaceNode> {
         let mut half_edges: BTreeMap<u32, f64> = BTreeMap::new();
         let touching = self
             .interfaces
@@ -380,7 +511,7 @@ impl Model {
                 *half_edges.entry(node).or_insert(0.0) += 0.5 * self.edge_length(edge);
             }
         }
-        let area = |node: u32, half_edge: f64| match self.settings.node_area {
+        let area = |node: u32, half_edge: f64| match node_area {
             NodeArea::Lumped => lumped[node as usize],
             NodeArea::HalfEdge => half_edge * points.micromodulus.spacing,
             NodeArea::Given(area) => area,

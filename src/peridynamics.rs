@@ -6,4 +6,6 @@ pub mod bonds;
 pub mod isotropy;
 pub mod kernel;
 pub mod lattice;
+pub mod least_squares;
 pub mod point_index;
+pub mod surface;

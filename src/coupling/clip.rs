@@ -34,9 +34,11 @@ pub mod stencil;
 pub mod strip;
 
 use crate::geometry::Outline;
+use crate::peridynamics::axes::Axes;
 use crate::peridynamics::bonds::family_offsets;
 use crate::peridynamics::kernel::Micromodulus;
 use crate::peridynamics::point_index::PointIndex;
+use crate::peridynamics::surface::Surface;
 use crate::springs::Springs;
 use chain::Line;
 use rayon::prelude::*;
@@ -54,9 +56,12 @@ pub struct Region<'a> {
     /// All sides of the outline, along the lattice's axes.
     pub sides: &'a [Side],
     pub index: &'a PointIndex,
+    pub axes: Axes,
     /// A_i [m²].
     pub areas: &'a [f64],
     pub micromodulus: &'a Micromodulus,
+    /// What corrects bonds near free surfaces, if anything does.
+    pub surface: Option<&'a Surface>,
     /// h_t [m].
     pub thickness: f64,
     /// The node of the first point.

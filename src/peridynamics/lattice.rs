@@ -46,6 +46,20 @@ impl LatticeSettings {
             origin: None,
         }
     }
+
+    /// The lattice's axes.
+    pub fn axes(&self) -> Axes {
+        Axes::new(self.angle)
+    }
+
+    /// The same lattice seen along its own axes.
+    pub fn along_axes(&self) -> LatticeSettings {
+        LatticeSettings {
+            angle: 0.0,
+            origin: self.origin.map(|origin| self.axes().local(origin)),
+            ..*self
+        }
+    }
 }
 
 /// Material points, row by row from the lower left.
@@ -72,7 +86,7 @@ pub struct Neighbourhood<'a> {
 
 /// Points within this fraction of dx of the boundary lie on it: mesh coordinates carry noise of
 /// a relative 1e-10.
-const ON_BOUNDARY: f64 = 1e-6;
+pub const ON_BOUNDARY: f64 = 1e-6;
 
 /// Squares whose centre is farther than this from a segment do not touch it [dx].
 const HALF_DIAGONAL: f64 = 0.7072;
@@ -80,7 +94,8 @@ const HALF_DIAGONAL: f64 = 0.7072;
 /// Areas within this fraction of dx² of the whole square are the whole square.
 const WHOLE_CELL: f64 = 1e-9;
 
-/// Fills `outline` with material points.
+/// Fills `outline` with material points. All is seen along the lattice's axes: `settings.angle` is not
+/// looked at.
 ///
 /// `interface`: the segments shared with finite elements. Points on them are left out, since the
 /// interface nodes sit there; the first column is then dx away.
@@ -103,17 +118,7 @@ pub fn lattice_beside(
     neighbourhood: &Neighbourhood,
     settings: &LatticeSettings,
 ) -> Lattice {
-    let axes = Axes::new(settings.angle);
-    let outline = &axes.outline(outline);
-    let to_local = |&segment: &[[f64; 2]; 2]| segment.map(|x| axes.local(x));
-    let interface: Vec<[[f64; 2]; 2]> = neighbourhood.interface.iter().map(to_local).collect();
-    let body = neighbourhood.body.map(|body| axes.outline(body));
-    let neighbourhood = Neighbourhood {
-        interface: &interface,
-        body: body.as_ref(),
-        ..*neighbourhood
-    };
-    let grid = Grid::new(outline, settings, axes);
+    let grid = Grid::new(outline, settings);
     let mut kept = grid.points_inside(outline);
     for &segment in neighbourhood.interface {
         grid.visit_points_near(segment, neighbourhood.clearance, |k| kept[k] = false);
@@ -123,23 +128,78 @@ pub fn lattice_beside(
             .iter()
             .map(|&k| if k { grid.dx * grid.dx } else { 0.0 })
             .collect(),
-        CellArea::Clipped => grid.clipped_areas(outline, &neighbourhood, &kept),
+        CellArea::Clipped => grid.clipped_areas(outline, neighbourhood, &kept),
     };
     let points = (0..kept.len()).filter(|&k| kept[k]);
     let (positions, areas) = points
-        .map(|k| {
-            let local = grid.position(k % grid.columns, k / grid.columns);
-            (axes.global(local), areas[k])
-        })
+        .map(|k| (grid.position(k % grid.columns, k / grid.columns), areas[k]))
         .unzip();
     Lattice {
         positions,
         areas,
-        index: PointIndex::new(axes, grid.first, grid.dx, [grid.columns, grid.rows], &kept),
+        index: PointIndex::new(grid.first, grid.dx, [grid.columns, grid.rows], &kept),
+    }
+}
+
+/// The lattice of a region continued over the whole body, finite elements and other regions included:
+/// what a family would find if all of the body were points.
+#[derive(Clone, Debug)]
+pub struct Sites {
+    grid: Grid,
+    /// Area of the site over dx²; zero outside the body [-].
+    pub shares: Vec<f64>,
+}
+
+impl Sites {
+    /// `outline` anchors the lattice, `margin` is how many spacings it reaches past that outline's box.
+    pub fn new(
+        outline: &Outline,
+        body: &Outline,
+        settings: &LatticeSettings,
+        margin: usize,
+    ) -> Sites {
+        let grid = Grid::new(outline, settings).widened(margin);
+        let kept = grid.points_inside(body);
+        let whole = grid.dx * grid.dx;
+        let shares = match settings.cell_area {
+            CellArea::Full => kept.iter().map(|&k| f64::from(u8::from(k))).collect(),
+            CellArea::Clipped => {
+                let free = Neighbourhood {
+                    interface: &[],
+                    clearance: ON_BOUNDARY,
+                    body: None,
+                };
+                let areas = grid.clipped_areas(body, &free, &kept);
+                areas.iter().map(|area| area / whole).collect()
+            }
+        };
+        Sites { grid, shares }
+    }
+
+    /// Columns and rows.
+    pub fn counts(&self) -> [usize; 2] {
+        [self.grid.columns, self.grid.rows]
+    }
+
+    /// [m].
+    pub fn position(&self, site: usize) -> [f64; 2] {
+        let columns = self.grid.columns;
+        self.grid.position(site % columns, site / columns)
+    }
+
+    /// The site nearest to a position on the grid.
+    pub fn nearest(&self, position: [f64; 2]) -> usize {
+        let [column, row] = [0, 1].map(|axis| {
+            let index = (position[axis] - self.grid.first[axis]) / self.grid.dx;
+            let last = self.counts()[axis] - 1;
+            (index.round().max(0.0) as usize).min(last)
+        });
+        row * self.grid.columns + column
     }
 }
 
 /// The grid of candidate points over the region's bounding box.
+#[derive(Clone, Debug)]
 struct Grid {
     /// The candidate (0, 0) [m].
     first: [f64; 2],
@@ -149,10 +209,10 @@ struct Grid {
 }
 
 impl Grid {
-    fn new(outline: &Outline, settings: &LatticeSettings, axes: Axes) -> Grid {
+    fn new(outline: &Outline, settings: &LatticeSettings) -> Grid {
         let [mut low, high] = outline.bounds();
         let dx = settings.spacing;
-        if let Some(origin) = settings.origin.map(|origin| axes.local(origin)) {
+        if let Some(origin) = settings.origin {
             for axis in 0..2 {
                 let steps = (low[axis] - origin[axis]) / dx;
                 low[axis] = origin[axis] + (steps + ON_BOUNDARY).floor() * dx;
@@ -175,6 +235,16 @@ impl Grid {
             dx,
             columns,
             rows,
+        }
+    }
+
+    /// The same grid with so many more columns and rows on every side.
+    fn widened(&self, margin: usize) -> Grid {
+        Grid {
+            first: self.first.map(|x| x - margin as f64 * self.dx),
+            dx: self.dx,
+            columns: self.columns + 2 * margin,
+            rows: self.rows + 2 * margin,
         }
     }
 

@@ -1,11 +1,8 @@
 //! Which sites of the endless lattice hold a material point.
 
-use super::axes::Axes;
-
 /// Which sites of the endless lattice hold a material point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointIndex {
-    pub axes: Axes,
     /// The site (0, 0), along the lattice's axes [m].
     pub first: [f64; 2],
     /// dx [m].
@@ -18,13 +15,7 @@ pub struct PointIndex {
 
 impl PointIndex {
     /// `kept`: whether there is a point at each site of the box, row by row.
-    pub fn new(
-        axes: Axes,
-        first: [f64; 2],
-        spacing: f64,
-        counts: [usize; 2],
-        kept: &[bool],
-    ) -> PointIndex {
+    pub fn new(first: [f64; 2], spacing: f64, counts: [usize; 2], kept: &[bool]) -> PointIndex {
         let mut next = 0;
         let numbered = kept.iter().map(|&kept| {
             kept.then(|| {
@@ -33,7 +24,6 @@ impl PointIndex {
             })
         });
         PointIndex {
-            axes,
             first,
             spacing,
             counts: counts.map(|count| count as i64),

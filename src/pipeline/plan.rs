@@ -7,6 +7,7 @@ use super::reader::Reader;
 use super::source::{InputError, Source};
 use super::spec::{self, Spec};
 use super::yaml;
+use crate::coupling::Coupling;
 use crate::fem::edge::EdgeLoad;
 use crate::fracture::control::{Control, Until};
 use crate::fracture::failure::Strength;
@@ -124,7 +125,7 @@ impl Plan {
             model: ModelSettings {
                 plane,
                 thickness: reader.positive("thickness", &spec.thickness, Dimension::LENGTH)?,
-                node_area: reader.node_area()?,
+                coupling: Coupling::Truss(reader.node_area()?),
             },
             regions: reader.regions(&materials, plane)?,
             cracks: spec.cracks.clone(),

@@ -2,12 +2,14 @@
 #![allow(dead_code)]
 
 use peristitch::boundary::Boundary;
+use peristitch::coupling::Coupling;
 use peristitch::coupling::truss::NodeArea;
 use peristitch::material::{Material, PlaneState};
 use peristitch::mesh::{Cell, CellKind, Edge, Mesh};
 use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings, Region};
 use peristitch::peridynamics::kernel::{Kernel, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
+use peristitch::peridynamics::surface::SurfaceCorrection;
 use peristitch::phases::Phases;
 use peristitch::statics;
 use std::collections::HashMap;
@@ -176,7 +178,7 @@ pub fn build(mesh: Mesh, regions: Vec<Region>, plane: PlaneState) -> Model {
     let settings = ModelSettings {
         plane,
         thickness: 0.7,
-        node_area: NodeArea::Lumped,
+        coupling: Coupling::Truss(NodeArea::Lumped),
     };
     Model::build(mesh, regions, settings).expect("a sound model")
 }
@@ -188,6 +190,8 @@ pub fn paper_lattice(spacing: f64, placement: Placement) -> PeridynamicSettings 
         horizon_ratio: 4.0,
         kernel: Kernel::Quartic,
         partial_area: PartialArea::Full,
+        isotropised: false,
+        surface_correction: SurfaceCorrection::None,
     }
 }
 

@@ -226,6 +226,7 @@ impl Line<'_> {
     ) {
         let Region {
             index,
+            axes,
             areas,
             thickness,
             first_node,
@@ -252,13 +253,28 @@ impl Line<'_> {
         });
         let square = index.spacing * index.spacing;
         let area = |end: usize| own[end].or(own[1 - end]).unwrap_or(square);
-        let whole = self.stiffness * area(0) * area(1) * thickness;
+        let factor = match (self.region.surface, self.bond_of(member)) {
+            (Some(surface), Some(bond)) => surface.factor(bond[0], bond[1]),
+            _ => 1.0,
+        };
+        let whole = factor * self.stiffness * area(0) * area(1) * thickness;
         let ratio = (member.ends[1].along() - member.ends[0].along()) / self.length;
         clip.springs.push_interpolated(
-            segment.map(|x| index.axes.global(x)),
+            segment.map(|x| axes.global(x)),
             [&shares[0], &shares[1]],
             sub_strip.share * whole / ratio,
         );
+    }
+
+    /// Where the bond is that a member is a part of; `None` where it is between finite elements.
+    fn bond_of(&self, member: &Member) -> Option<[[f64; 2]; 2]> {
+        let first = match member.ends {
+            [End::Site { k, .. }, _] => k,
+            [_, End::Site { k, .. }] => k - self.chains,
+            _ => return None,
+        };
+        let sites = [first, first + self.chains].map(|k| self.site(k));
+        Some(sites.map(|site| self.region.index.position(site)))
     }
 
     /// The displacement of a site's stand-in. That of a point is u + Δη ∂u/∂η with one derivative for

@@ -82,12 +82,11 @@ fn points_within(index: &PointIndex, about: [f64; 2], radius: f64) -> Vec<(u32, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::peridynamics::axes::Axes;
 
     /// 6 × 4 sites without the corner (5, 3), and one lone point on top of it.
     fn index() -> PointIndex {
         let kept: Vec<bool> = (0..30).map(|k| k < 23 || k == 29).collect();
-        PointIndex::new(Axes::new(0.0), [0.1, 0.2], 0.5, [6, 5], &kept)
+        PointIndex::new([0.1, 0.2], 0.5, [6, 5], &kept)
     }
 
     fn apply(index: &PointIndex, stencil: &Stencil, field: impl Fn([f64; 2]) -> f64) -> f64 {

@@ -13,11 +13,12 @@
 //! parallel lines d = g dx/√(a² + b²) apart, g = gcd(|a|, |b|), and the strips |η − η_c| ≤ d/2 about
 //! these lines tile the plane.
 //!
-//! 1. Each strip is cut wherever its lines begin to cross other sides of the region's outline
-//!    ([`strip`]); a part of the width w has the share φ = w/d of the strip's bonds.
+//! 1. Each strip is cut wherever its lines begin to cross other sides of the region's outline, and
+//!    where they cross more than 2 dx of the interface ([`strip`]); a part of the width w has the share
+//!    φ = w/d of the strip's bonds.
 //! 2. Where it crosses the interface, ū = Σ_a (1/w) ∫ N_a dη u_a and ℓ̄ = (1/w) ∫ ℓ dη ([`side`]).
 //! 3. Each of the g chains of bonds along the line ([`chain`]) runs from ū over its sites, those within
-//!    ξ/4 of the interface left out, to ū where it leaves. Members have the stiffness φ k/t; t may be
+//!    dx/8 of the interface left out, to ū where it leaves. Members have the stiffness φ k/t; t may be
 //!    more than 1, and a chain without sites joins finite elements to finite elements.
 //! 4. Where the part's middle is off the line, sites stand beside their material point, at
 //!    u + Δη ∂u/∂η ([`stencil`]). Where all parts of the strip have a bond in common, their sum is the
@@ -46,8 +47,13 @@ use side::{Frame, Side};
 use std::collections::BTreeMap;
 use strip::Outlook;
 
-/// Material points nearer to the interface than this share of dx are left out [-].
-pub const CLEARANCE: f64 = 0.25;
+/// Material points nearer to the interface than this share of dx are left out [-]. A little more than a
+/// quarter, so that rounding does not decide a tie.
+pub const CLEARANCE: f64 = 0.25 + 1e-6;
+
+/// The longest piece of interface, along the bonds, that one part of a strip crosses [dx]. Bonds nearly
+/// along the interface would cross many spacings of it, and their mean end would be far from most.
+const LONGEST: f64 = 2.0;
 
 /// A peridynamic region and its lattice.
 pub struct Region<'a> {
@@ -159,6 +165,7 @@ fn outlook<'a>(region: &Region<'a>, frame: Frame) -> Outlook<'a> {
         arcs,
         edges,
         tolerance,
+        longest: LONGEST * region.index.spacing,
     }
 }
 

@@ -6,9 +6,9 @@ use super::strip::{Crossing, Interval, SubStrip};
 use super::{Clip, Region};
 use std::collections::BTreeMap;
 
-/// Sites nearer than this share of the bond's length to an end in the finite elements are left out of
-/// a chain [-].
-const LEAST: f64 = 0.25;
+/// Sites nearer than this to an end in the finite elements are left out of a chain [dx]. Less than the
+/// clearance of the material points, lest one in a corner takes part in no chain.
+const LEAST: f64 = 0.125;
 
 /// Shares of a strip this near to one are one.
 const WHOLE: f64 = 1e-9;
@@ -135,7 +135,7 @@ impl Line<'_> {
     fn range(&self, sub_strip: &SubStrip, i: usize) -> [f64; 2] {
         let [low, high] = self.box_range();
         let intervals = &sub_strip.intervals;
-        let margin = LEAST * self.length;
+        let margin = LEAST * self.region.index.spacing;
         let [start, end] = &intervals[i].ends;
         let from = match start {
             Crossing::Interface(average) => average.along + margin,

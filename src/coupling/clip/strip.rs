@@ -50,6 +50,8 @@ pub struct Outlook<'a> {
     pub edges: Vec<f64>,
     /// What differs by less is one η [m].
     pub tolerance: f64,
+    /// The longest piece of interface, along the lines, that one part of a strip crosses [m].
+    pub longest: f64,
 }
 
 /// A part of the strip between two cuts, with the arcs that it crosses in the order of ℓ.
@@ -80,7 +82,11 @@ impl Outlook<'_> {
         let mut joined: Vec<&[Piece]> = Vec::new();
         let mut first = 0;
         for next in 1..=pieces.len() {
-            if next == pieces.len() || !self.continues(&pieces[next - 1], &pieces[next]) {
+            let goes_on = |next: usize| {
+                self.continues(&pieces[next - 1], &pieces[next])
+                    && !self.is_long(&pieces[first], &pieces[next])
+            };
+            if next == pieces.len() || !goes_on(next) {
                 joined.push(&pieces[first..next]);
                 first = next;
             }
@@ -108,13 +114,28 @@ impl Outlook<'_> {
     fn cuts(&self, [low, high]: [f64; 2], arcs: &[usize]) -> Vec<f64> {
         let inside = |eta: &f64| *eta > low + self.tolerance && *eta < high - self.tolerance;
         let ends = arcs.iter().flat_map(|&a| self.arcs[a].range);
-        let mut inner: Vec<f64> = ends.filter(inside).collect();
+        let along = arcs.iter().flat_map(|&a| self.divisions(a, [low, high]));
+        let mut inner: Vec<f64> = ends.chain(along).filter(inside).collect();
         inner.sort_unstable_by(f64::total_cmp);
         inner.dedup_by(|next, last| *next - *last <= self.tolerance);
         let mut cuts = vec![low];
         cuts.append(&mut inner);
         cuts.push(high);
         cuts
+    }
+
+    /// Where an arc that runs nearly along the lines is to be cut: η [m].
+    fn divisions(&self, arc: usize, [low, high]: [f64; 2]) -> Vec<f64> {
+        let Arc { range, is_free, .. } = self.arcs[arc];
+        let (low, high) = (low.max(range[0]), high.min(range[1]));
+        if is_free || low >= high {
+            return Vec::new();
+        }
+        let extent = (self.along_at(arc, high) - self.along_at(arc, low)).abs();
+        let parts = (extent / self.longest).ceil() as usize;
+        (1..parts)
+            .map(|k| low + (high - low) * k as f64 / parts as f64)
+            .collect()
     }
 
     fn piece(&self, range: [f64; 2], arcs: &[usize]) -> Piece {
@@ -180,6 +201,17 @@ impl Outlook<'_> {
                 .iter()
                 .zip(&next.intervals)
                 .all(|(p, q)| (0..2).all(|end| same_end(piece.arcs[p[end]], next.arcs[q[end]])))
+    }
+
+    /// Whether the lines cross too long a piece of interface from the one piece through the other.
+    fn is_long(&self, first: &Piece, last: &Piece) -> bool {
+        first.intervals.iter().zip(&last.intervals).any(|(p, q)| {
+            (0..2).any(|end| {
+                let (p, q) = (first.arcs[p[end]], last.arcs[q[end]]);
+                let extent = self.along_at(p, first.range[0]) - self.along_at(q, last.range[1]);
+                !self.arcs[p].is_free && extent.abs() > self.longest
+            })
+        })
     }
 
     /// The strip without what lies beyond a free side that runs along it: lattice points on such a

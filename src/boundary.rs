@@ -103,6 +103,32 @@ impl Boundary {
         Ok(())
     }
 
+    /// Prescribes zero for the given components of a physical curve or point, but where something is
+    /// prescribed already.
+    ///
+    /// # Errors
+    /// [`BoundaryError::NothingThere`].
+    pub fn hold(
+        &mut self,
+        model: &Model,
+        group: &str,
+        components: [bool; 2],
+    ) -> Result<(), BoundaryError> {
+        let nodes = nodes_of(model, group);
+        if nodes.is_empty() && components != [false; 2] {
+            return Err(BoundaryError::NothingThere {
+                group: group.to_owned(),
+            });
+        }
+        for node in nodes {
+            for axis in (0..2).filter(|&axis| components[axis]) {
+                let held = self.prescribed.entry(2 * node + axis);
+                held.or_insert_with(|| (0.0, group.to_owned()));
+            }
+        }
+        Ok(())
+    }
+
     fn prescribe(
         &mut self,
         model: &Model,

@@ -13,6 +13,7 @@ use crate::mesh::{Cell, Edge, Mesh};
 use crate::peridynamics::bonds::bonds;
 use crate::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
 use crate::peridynamics::lattice::{Lattice, LatticeSettings, lattice};
+use crate::peridynamics::surface::{Surface, SurfaceCorrection, SurfaceError};
 use crate::springs::Springs;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -42,6 +43,29 @@ pub struct PeridynamicSettings {
     pub horizon_ratio: f64,
     pub kernel: Kernel,
     pub partial_area: PartialArea,
+    /// Whether c(ξ) is corrected such that the lattice has the material's moduli.
+    pub isotropised: bool,
+    pub surface_correction: SurfaceCorrection,
+}
+
+impl PeridynamicSettings {
+    /// c(ξ) of a material on this lattice.
+    pub fn micromodulus(&self, material: &Material, plane: PlaneState) -> Micromodulus {
+        let spacing = self.lattice.spacing;
+        let raw = Micromodulus::new(
+            self.kernel,
+            self.partial_area,
+            material,
+            plane,
+            self.horizon_ratio * spacing,
+            spacing,
+        );
+        if self.isotropised {
+            raw.isotropised()
+        } else {
+            raw
+        }
+    }
 }
 
 /// What holds for the whole model.
@@ -129,6 +153,11 @@ pub enum ModelError {
         region: String,
         points: f64,
         limit: f64,
+    },
+    #[error("the surface correction of region `{region}` fails: {source}")]
+    Surface {
+        region: String,
+        source: SurfaceError,
     },
 }
 
@@ -303,22 +332,14 @@ impl Model {
                     region: region.name.clone(),
                 });
             }
-            let micromodulus = Micromodulus::new(
-                settings.kernel,
-                settings.partial_area,
-                &region.material,
-                self.settings.plane,
-                settings.horizon_ratio * settings.lattice.spacing,
-                settings.lattice.spacing,
-            );
+            let micromodulus = settings.micromodulus(&region.material, self.settings.plane);
             let first = fe_nodes + self.areas.len();
-            self.springs.append(bonds(
-                &positions,
-                &areas,
-                &micromodulus,
-                self.settings.thickness,
-                first as u32,
-            ));
+            let thickness = self.settings.thickness;
+            let mut bonds = bonds(&positions, &areas, &micromodulus, thickness, first as u32);
+            if let Some(surface) = self.surface(region, &outline, &settings, &micromodulus)? {
+                surface.correct(&mut bonds, &positions, first as u32);
+            }
+            self.springs.append(bonds);
             self.points.push(PointRegion {
                 region: index,
                 nodes: first..first + positions.len(),
@@ -331,6 +352,32 @@ impl Model {
         }
         self.bond_count = self.springs.len();
         Ok(())
+    }
+
+    /// The factors of a region's bonds near free surfaces, if it is to be corrected.
+    fn surface(
+        &self,
+        region: &Region,
+        outline: &Outline,
+        settings: &PeridynamicSettings,
+        micromodulus: &Micromodulus,
+    ) -> Result<Option<Surface>, ModelError> {
+        if settings.surface_correction == SurfaceCorrection::None {
+            return Ok(None);
+        }
+        let mut cells: Vec<usize> = self.regions.iter().flat_map(|r| r.cells.clone()).collect();
+        cells.sort_unstable();
+        let surface = Surface::new(
+            settings.surface_correction,
+            outline,
+            &Outline::of_cells(&self.mesh, &cells),
+            &settings.lattice,
+            micromodulus,
+        );
+        surface.map(Some).map_err(|source| ModelError::Surface {
+            region: region.name.clone(),
+            source,
+        })
     }
 
     fn interface_segments(&self, region: usize) -> Vec<[[f64; 2]; 2]> {

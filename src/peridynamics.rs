@@ -2,5 +2,8 @@
 //! Qian et al. (2021), eqs. (1)–(10) and (16)–(19).
 
 pub mod bonds;
+pub mod isotropy;
 pub mod kernel;
 pub mod lattice;
+pub mod least_squares;
+pub mod surface;

@@ -17,6 +17,7 @@ use peristitch::mesh::{CellKind, Mesh};
 use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings, Region};
 use peristitch::peridynamics::kernel::{Kernel, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
+use peristitch::peridynamics::surface::SurfaceCorrection;
 use peristitch::phases::Phases;
 use peristitch::statics;
 
@@ -29,6 +30,8 @@ const PAPER: Method = Method::Peridynamics(PeridynamicSettings {
     horizon_ratio: 4.0,
     kernel: Kernel::Quartic,
     partial_area: PartialArea::Full,
+    isotropised: false,
+    surface_correction: SurfaceCorrection::None,
 });
 
 fn bar(kind: CellKind) -> Mesh {

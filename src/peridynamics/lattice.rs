@@ -71,7 +71,60 @@ pub fn lattice(
     Lattice { positions, areas }
 }
 
+/// The lattice of a region continued over the whole body, finite elements and other regions included:
+/// what a family would find if all of the body were points.
+#[derive(Clone, Debug)]
+pub struct Sites {
+    grid: Grid,
+    /// Area of the site over dx²; zero outside the body [-].
+    pub shares: Vec<f64>,
+}
+
+impl Sites {
+    /// `outline` anchors the lattice, `margin` is how many spacings it reaches past that outline's box.
+    pub fn new(
+        outline: &Outline,
+        body: &Outline,
+        settings: &LatticeSettings,
+        margin: usize,
+    ) -> Sites {
+        let grid = Grid::new(outline, settings).widened(margin);
+        let kept = grid.points_inside(body);
+        let whole = grid.dx * grid.dx;
+        let shares = match settings.cell_area {
+            CellArea::Full => kept.iter().map(|&k| f64::from(u8::from(k))).collect(),
+            CellArea::Clipped => {
+                let areas = grid.clipped_areas(body, &[], &kept);
+                areas.iter().map(|area| area / whole).collect()
+            }
+        };
+        Sites { grid, shares }
+    }
+
+    /// Columns and rows.
+    pub fn counts(&self) -> [usize; 2] {
+        [self.grid.columns, self.grid.rows]
+    }
+
+    /// [m].
+    pub fn position(&self, site: usize) -> [f64; 2] {
+        let columns = self.grid.columns;
+        self.grid.position(site % columns, site / columns)
+    }
+
+    /// The site nearest to a position on the grid.
+    pub fn nearest(&self, position: [f64; 2]) -> usize {
+        let [column, row] = [0, 1].map(|axis| {
+            let index = (position[axis] - self.grid.first[axis]) / self.grid.dx;
+            let last = self.counts()[axis] - 1;
+            (index.round().max(0.0) as usize).min(last)
+        });
+        row * self.grid.columns + column
+    }
+}
+
 /// The grid of candidate points over the region's bounding box.
+#[derive(Clone, Debug)]
 struct Grid {
     /// The candidate (0, 0) [m].
     first: [f64; 2],
@@ -101,6 +154,16 @@ impl Grid {
             dx,
             columns,
             rows,
+        }
+    }
+
+    /// The same grid with so many more columns and rows on every side.
+    fn widened(&self, margin: usize) -> Grid {
+        Grid {
+            first: self.first.map(|x| x - margin as f64 * self.dx),
+            dx: self.dx,
+            columns: self.columns + 2 * margin,
+            rows: self.rows + 2 * margin,
         }
     }
 

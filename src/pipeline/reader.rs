@@ -14,6 +14,7 @@ use crate::material::{Material, PlaneState};
 use crate::model::{Method, PeridynamicSettings};
 use crate::peridynamics::kernel::{Kernel, PartialArea};
 use crate::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
+use crate::peridynamics::surface::SurfaceCorrection;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -301,6 +302,8 @@ impl Reader<'_> {
             ("points", region.points.is_some()),
             ("cell_area", region.cell_area.is_some()),
             ("partial_area", region.partial_area.is_some()),
+            ("micromodulus", region.micromodulus.is_some()),
+            ("surface_correction", region.surface_correction.is_some()),
         ];
         match lattice_keys.iter().find(|(_, given)| *given) {
             Some((name, _)) => Err(self.source.error(
@@ -341,6 +344,10 @@ impl Reader<'_> {
             horizon_ratio: self.horizon(&key("horizon"), written, spacing)?,
             kernel: region.kernel.map_or(Kernel::Quartic, kernel),
             partial_area: region.partial_area.map_or(PartialArea::Full, partial_area),
+            isotropised: !matches!(region.micromodulus, Some(spec::Micromodulus::Raw)),
+            surface_correction: region
+                .surface_correction
+                .map_or(SurfaceCorrection::Force, surface_correction),
         }))
     }
 
@@ -490,6 +497,16 @@ fn partial_area(written: spec::PartialArea) -> PartialArea {
     match written {
         spec::PartialArea::Full => PartialArea::Full,
         spec::PartialArea::Hhb => PartialArea::Hhb,
+    }
+}
+
+fn surface_correction(written: spec::SurfaceCorrection) -> SurfaceCorrection {
+    match written {
+        spec::SurfaceCorrection::None => SurfaceCorrection::None,
+        spec::SurfaceCorrection::Volume => SurfaceCorrection::Volume,
+        spec::SurfaceCorrection::Energy => SurfaceCorrection::Energy,
+        spec::SurfaceCorrection::Force => SurfaceCorrection::Force,
+        spec::SurfaceCorrection::LeastSquares => SurfaceCorrection::LeastSquares,
     }
 }
 

@@ -96,6 +96,10 @@ pub struct Region {
     pub cell_area: Option<CellArea>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub partial_area: Option<PartialArea>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub micromodulus: Option<Micromodulus>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surface_correction: Option<SurfaceCorrection>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
@@ -134,6 +138,23 @@ pub enum CellArea {
 pub enum PartialArea {
     Full,
     Hhb,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Micromodulus {
+    Isotropised,
+    Raw,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SurfaceCorrection {
+    None,
+    Volume,
+    Energy,
+    Force,
+    LeastSquares,
 }
 
 /// `truss`, or `truss: { node_area: … }`.

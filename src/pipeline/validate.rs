@@ -263,6 +263,10 @@ fn model_error(plan: &Plan, error: &ModelError) -> InputError {
         ModelError::NoMaterialPoint { region } => {
             (spacing(region), "choose a smaller `spacing`".to_owned())
         }
+        ModelError::Surface { region, .. } => (
+            key(region).replace("group", "surface_correction"),
+            "write `surface_correction: force`, or make the region larger than its horizon".to_owned(),
+        ),
         ModelError::TooManyPoints { region, .. } => {
             (spacing(region), "choose a larger `spacing`, and look at its unit".to_owned())
         }

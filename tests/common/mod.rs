@@ -8,6 +8,7 @@ use peristitch::mesh::{Cell, CellKind, Edge, Mesh};
 use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings, Region};
 use peristitch::peridynamics::kernel::{Kernel, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
+use peristitch::peridynamics::surface::SurfaceCorrection;
 use peristitch::phases::Phases;
 use peristitch::statics;
 use std::collections::HashMap;
@@ -192,6 +193,8 @@ pub fn paper_lattice(spacing: f64, placement: Placement) -> PeridynamicSettings 
         horizon_ratio: 4.0,
         kernel: Kernel::Quartic,
         partial_area: PartialArea::Full,
+        isotropised: false,
+        surface_correction: SurfaceCorrection::None,
     }
 }
 

@@ -3,7 +3,11 @@
 //! Nodes are the finite-element nodes in the mesh's order, then the material points, region by
 //! region. Immutable once built.
 
+mod splice;
+
 use crate::assembly::ElementStiffness;
+use crate::coupling::Coupling;
+use crate::coupling::splice::SpliceError;
 use crate::coupling::truss::{InterfaceNode, NodeArea, trusses};
 use crate::cracks::Cracks;
 use crate::fem::element;
@@ -19,6 +23,8 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use thiserror::Error;
+
+pub use splice::Splice;
 
 /// A part of the body: which cells of the mesh, what material, which method.
 #[derive(Clone, Debug)]
@@ -74,8 +80,7 @@ pub struct ModelSettings {
     pub plane: PlaneState,
     /// h_t [m].
     pub thickness: f64,
-    /// A_FE of the truss coupling.
-    pub node_area: NodeArea,
+    pub coupling: Coupling,
 }
 
 /// Where a finite-element and a peridynamic region meet.
@@ -119,6 +124,8 @@ pub struct Model {
     /// Bonds first, then trusses, then what else a coupling adds.
     pub springs: Springs,
     pub bond_count: usize,
+    /// What the splice adds; `None` without an interface, or with another coupling.
+    pub splice: Option<Splice>,
     /// Whether each spring is there at the start: false where it meets an initial crack.
     pub intact: Vec<bool>,
 }
@@ -154,6 +161,11 @@ pub enum ModelError {
         points: f64,
         limit: f64,
     },
+    #[error("region `{region}` cannot be spliced: {source}")]
+    Splice {
+        region: String,
+        source: SpliceError,
+    },
     #[error("the surface correction of region `{region}` fails: {source}")]
     Surface {
         region: String,
@@ -185,13 +197,17 @@ impl Model {
             points: Vec::new(),
             springs: Springs::default(),
             bond_count: 0,
+            splice: None,
             intact: Vec::new(),
             mesh,
             regions,
         };
         model.add_finite_elements()?;
         model.add_material_points()?;
-        model.add_trusses();
+        match settings.coupling {
+            Coupling::Truss(node_area) => model.add_trusses(node_area),
+            Coupling::Splice => model.add_splice()?,
+        }
         model.intact = vec![true; model.springs.len()];
         Ok(model)
     }
@@ -307,6 +323,9 @@ impl Model {
                 }
             }
         }
+        if self.settings.coupling == Coupling::Splice {
+            self.add_overlap()?;
+        }
         for (mesh_node, node) in self.node_of.iter_mut().enumerate() {
             if node.is_some() {
                 *node = Some(self.positions.len() as u32);
@@ -325,8 +344,16 @@ impl Model {
             };
             let outline = Outline::of_cells(&self.mesh, &region.cells);
             check_count(region, &outline, settings.lattice.spacing)?;
-            let Lattice { positions, areas } =
-                lattice(&outline, &self.interface_segments(index), &settings.lattice);
+            let interface = self.interface_segments(index);
+            let Lattice { positions, mut areas } =
+                lattice(&outline, &interface, &settings.lattice);
+            if self.splice.is_some() && !interface.is_empty() {
+                // The lattice goes on behind the interface: it cuts no cell.
+                let sites = self.sites(&outline, &settings);
+                let dx = settings.lattice.spacing;
+                let shares = positions.iter().map(|&x| sites.shares[sites.nearest(x)]);
+                areas = shares.map(|share| share * dx * dx).collect();
+            }
             if positions.is_empty() {
                 return Err(ModelError::NoMaterialPoint {
                     region: region.name.clone(),
@@ -365,12 +392,10 @@ impl Model {
         if settings.surface_correction == SurfaceCorrection::None {
             return Ok(None);
         }
-        let mut cells: Vec<usize> = self.regions.iter().flat_map(|r| r.cells.clone()).collect();
-        cells.sort_unstable();
         let surface = Surface::new(
             settings.surface_correction,
             outline,
-            &Outline::of_cells(&self.mesh, &cells),
+            &self.body_outline(),
             &settings.lattice,
             micromodulus,
         );
@@ -378,6 +403,13 @@ impl Model {
             region: region.name.clone(),
             source,
         })
+    }
+
+    /// The outline of all regions together.
+    fn body_outline(&self) -> Outline {
+        let mut cells: Vec<usize> = self.regions.iter().flat_map(|r| r.cells.clone()).collect();
+        cells.sort_unstable();
+        Outline::of_cells(&self.mesh, &cells)
     }
 
     fn interface_segments(&self, region: usize) -> Vec<[[f64; 2]; 2]> {
@@ -396,10 +428,10 @@ impl Model {
             .collect()
     }
 
-    fn add_trusses(&mut self) {
+    fn add_trusses(&mut self, node_area: NodeArea) {
         let lumped = self.lumped_areas();
         for points in &self.points {
-            let ends = self.interface_nodes(points, &lumped);
+            let ends = self.interface_nodes(points, &lumped, node_area);
             let fe_nodes = self.positions.len() - self.areas.len();
             let range = points.nodes.start - fe_nodes..points.nodes.end - fe_nodes;
             self.springs.append(trusses(
@@ -414,7 +446,12 @@ impl Model {
     }
 
     /// The interface nodes of one peridynamic region with their areas A_FE, in ascending order.
-    fn interface_nodes(&self, points: &PointRegion, lumped: &[f64]) -> Vec<InterfaceNode> {
+    fn interface_nodes(
+        &self,
+        points: &PointRegion,
+        lumped: &[f64],
+        node_area: NodeArea,
+    ) -> Vec<InterfaceNode> {
         let mut half_edges: BTreeMap<u32, f64> = BTreeMap::new();
         let touching = self
             .interfaces
@@ -426,7 +463,7 @@ impl Model {
                 *half_edges.entry(node).or_insert(0.0) += 0.5 * self.edge_length(edge);
             }
         }
-        let area = |node: u32, half_edge: f64| match self.settings.node_area {
+        let area = |node: u32, half_edge: f64| match node_area {
             NodeArea::Lumped => lumped[node as usize],
             NodeArea::HalfEdge => half_edge * points.micromodulus.spacing,
             NodeArea::Given(area) => area,

@@ -97,7 +97,7 @@ impl State {
             let length = model.springs.length(spring, &model.positions);
             let after =
                 load_factor * length * model.springs.stretch(spring, &model.positions, unit);
-            *dissipated += 0.5 * model.springs.stiffness[spring] * before * after;
+            *dissipated += 0.5 * model.bond_share(spring) * model.springs.stiffness[spring] * before * after;
         }
         *last = force;
         self.peak_force = self.peak_force.max(force.abs());
@@ -160,6 +160,16 @@ pub fn damage(model: &Model, intact: &[bool]) -> Vec<f64> {
             if !intact[bond] {
                 broken[own] += area;
             }
+        }
+    }
+    let ghosts = model.splice.iter().flat_map(|splice| &splice.ghosts);
+    for (bond, ghost) in (model.springs.pairs().len()..).zip(ghosts) {
+        let xi = model.springs.length(bond, &model.positions);
+        let area = model.ghost_area(ghost) * model.area_fraction(ghost.point as usize, xi);
+        let own = ghost.point as usize - first;
+        whole[own] += area;
+        if !intact[bond] {
+            broken[own] += area;
         }
     }
     broken

@@ -112,6 +112,11 @@ impl Sites {
         self.grid.position(site % columns, site / columns)
     }
 
+    /// Column and row of a position, fractions included.
+    pub fn coordinates(&self, position: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| (position[axis] - self.grid.first[axis]) / self.grid.dx)
+    }
+
     /// The site nearest to a position on the grid.
     pub fn nearest(&self, position: [f64; 2]) -> usize {
         let [column, row] = [0, 1].map(|axis| {

@@ -108,10 +108,11 @@ impl Surface {
             let [a, b] = ends.map(|node| positions[(node - first_node) as usize]);
             *stiffness *= self.factor(a, b);
         };
+        let pairs = bonds.pairs().to_vec();
         bonds
             .stiffness
             .par_iter_mut()
-            .zip(&bonds.ends)
+            .zip(&pairs)
             .for_each(correct);
     }
 

@@ -5,6 +5,7 @@ use super::plan::{Condition, GeometryPlan, Loading, Probe, RegionPlan};
 use super::quantity::{self, Dimension};
 use super::source::{InputError, Source, choices};
 use super::spec::{self, Spec};
+use crate::coupling::Coupling;
 use crate::coupling::truss::NodeArea;
 use crate::fem::edge::EdgeLoad;
 use crate::fracture::control::{Control, Until};
@@ -214,8 +215,14 @@ impl Reader<'_> {
         }))
     }
 
-    pub(super) fn node_area(&self) -> Result<NodeArea, InputError> {
-        let written = &self.spec.coupling.truss.node_area;
+    pub(super) fn coupling(&self) -> Result<Coupling, InputError> {
+        match &self.spec.coupling {
+            spec::Coupling::Truss(truss) => self.node_area(&truss.node_area).map(Coupling::Truss),
+            spec::Coupling::Splice => Ok(Coupling::Splice),
+        }
+    }
+
+    fn node_area(&self, written: &spec::Scalar) -> Result<NodeArea, InputError> {
         match written.0.as_str() {
             "lumped" => Ok(NodeArea::Lumped),
             "half-edge" => Ok(NodeArea::HalfEdge),

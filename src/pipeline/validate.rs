@@ -3,6 +3,7 @@
 use super::plan::{Plan, Probe};
 use super::source::{InputError, choices};
 use crate::boundary::{Boundary, BoundaryError};
+use crate::coupling::splice::SpliceError;
 use crate::cracks::Cracks;
 use crate::fracture::failure::CriticalStretch;
 use crate::fracture::state::Limits;
@@ -188,7 +189,7 @@ pub fn limits(plan: &Plan, model: &Model) -> Limits {
         }
     }
     let class = |spring: usize| {
-        let is_truss = spring >= model.bond_count;
+        let is_truss = spring >= model.bond_count && model.splice.is_none();
         let mut nodes = model.springs.nodes(spring).iter();
         let held = nodes.any(|&node| unbreakable[node as usize]);
         if held || (is_truss && !plan.trusses_break) {
@@ -263,6 +264,7 @@ fn model_error(plan: &Plan, error: &ModelError) -> InputError {
         ModelError::NoMaterialPoint { region } => {
             (spacing(region), "choose a smaller `spacing`".to_owned())
         }
+        ModelError::Splice { region, source } => (key(region), splice_help(source).to_owned()),
         ModelError::Surface { region, .. } => (
             key(region).replace("group", "surface_correction"),
             "write `surface_correction: force`, or make the region larger than its horizon".to_owned(),
@@ -272,6 +274,22 @@ fn model_error(plan: &Plan, error: &ModelError) -> InputError {
         }
     };
     plan.source.error(&key, error.to_string(), Some(help))
+}
+
+fn splice_help(error: &SpliceError) -> &'static str {
+    match error {
+        SpliceError::NarrowRing { .. } => {
+            "under `coupling: splice` every bond ends in material: make the finite-element region wider \
+             there, the horizon smaller, or extend the peridynamic region to the boundary"
+        }
+        SpliceError::Bridged { .. } => {
+            "mesh the region with smaller elements: two or more nodes between opposite interfaces must \
+             be 2 spacings or farther from both"
+        }
+        SpliceError::NoBlock { .. } => {
+            "choose a smaller `spacing`, or make the region wider"
+        }
+    }
 }
 
 fn boundary_error(plan: &Plan, index: usize, error: &BoundaryError) -> InputError {

@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 use peristitch::boundary::Boundary;
+use peristitch::coupling::Coupling;
 use peristitch::coupling::truss::NodeArea;
 use peristitch::material::{Material, PlaneState};
 use peristitch::mesh::{Cell, CellKind, Edge, Mesh};
@@ -177,7 +178,7 @@ pub fn build(mesh: Mesh, regions: Vec<Region>, plane: PlaneState) -> Model {
     let settings = ModelSettings {
         plane,
         thickness: 0.7,
-        node_area: NodeArea::Lumped,
+        coupling: Coupling::Truss(NodeArea::Lumped),
     };
     Model::build(mesh, regions, settings).expect("a sound model")
 }

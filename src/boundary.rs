@@ -42,9 +42,9 @@ pub struct Boundary {
     pub prescribed: BTreeMap<usize, (f64, String)>,
     /// Force on every dof [N].
     pub load: Vec<f64>,
-    /// Under the splice, what of `load` acts on the overlap, whose part of the boundary the material points
-    /// carry too [N].
-    pub overlap_load: BTreeMap<usize, f64>,
+    /// Under the splice, what acts on the overlap besides [N]: its part of the boundary is the material
+    /// points', and their loads are the body's.
+    pub overlap_load: Vec<f64>,
     /// Under the splice, the share of each prescribed dof's reaction that acts on finite-element
     /// regions, where it is not all of it [-].
     pub own_share: BTreeMap<usize, f64>,
@@ -80,7 +80,7 @@ impl Boundary {
         Boundary {
             prescribed: BTreeMap::new(),
             load: vec![0.0; 2 * model.node_count()],
-            overlap_load: BTreeMap::new(),
+            overlap_load: vec![0.0; 2 * model.node_count()],
             own_share: BTreeMap::new(),
         }
     }
@@ -111,6 +111,32 @@ impl Boundary {
                         None => self.own_share.remove(&(2 * node + axis)),
                     };
                 }
+            }
+        }
+        Ok(())
+    }
+
+    /// Prescribes zero for the given components of a physical curve or point, but where something is
+    /// prescribed already.
+    ///
+    /// # Errors
+    /// [`BoundaryError::NothingThere`].
+    pub fn hold(
+        &mut self,
+        model: &Model,
+        group: &str,
+        components: [bool; 2],
+    ) -> Result<(), BoundaryError> {
+        let nodes = nodes_of(model, group);
+        if nodes.is_empty() && components != [false; 2] {
+            return Err(BoundaryError::NothingThere {
+                group: group.to_owned(),
+            });
+        }
+        for node in nodes {
+            for axis in (0..2).filter(|&axis| components[axis]) {
+                let held = self.prescribed.entry(2 * node + axis);
+                held.or_insert_with(|| (0.0, group.to_owned()));
             }
         }
         Ok(())
@@ -203,10 +229,8 @@ impl Boundary {
             let Some(node) = model.node_of[node] else {
                 continue;
             };
-            self.add_force(node as usize, force);
             for (axis, force) in force.into_iter().enumerate() {
-                let dof = 2 * node as usize + axis;
-                *self.overlap_load.entry(dof).or_insert(0.0) += force;
+                self.overlap_load[2 * node as usize + axis] += force;
             }
         }
     }

@@ -1,6 +1,7 @@
 //! The command line: arguments → pipelines, progress to standard error, results to standard output.
 //! Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.
 
+use crate::fracture::control::Ending;
 use crate::pipeline::folder;
 use crate::pipeline::fracture;
 use crate::pipeline::plan::Plan;
@@ -213,10 +214,21 @@ fn run_one(plan: &Plan, options: &Options) -> Result<(), RunError> {
     let mut progress = Progress::new(&plan.name);
     let summary = run::run(plan, options, &mut progress);
     progress.clear();
-    if let Some(summary) = summary? {
-        print_summary(plan, &summary);
+    let Some(summary) = summary? else {
+        return Ok(());
+    };
+    print_summary(plan, &summary);
+    let fracture = &summary["fracture"];
+    match fracture["stopped_because"].as_str() {
+        Some(reason) if summary["outcome"] == Ending::Singular.describe() => {
+            Err(RunError::Stopped {
+                step: fracture["end"]["step"].as_u64().unwrap_or(0),
+                reason: reason.to_owned(),
+                folder: plan.folder.clone(),
+            })
+        }
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 fn announce(plan: &Plan, options: &Options) -> Result<(), RunError> {
@@ -346,14 +358,28 @@ fn print_fracture(summary: &Value) {
         );
     };
     let reference = &fracture["reference"];
+    // The references count load steps, and the events of the event-driven control are none.
+    let no_reference = Value::Null;
+    let is_event_driven = fracture["control"] == "event-driven";
+    let reference = if is_event_driven {
+        &no_reference
+    } else {
+        reference
+    };
     event(
         "first bond broken",
         &fracture["first_break"],
         &reference["first_break"],
     );
     event("peak reaction", &fracture["peak"], &Value::Null);
+    if is_event_driven {
+        event("largest load", &fracture["envelope_peak"], &Value::Null);
+    }
     let ending = summary["outcome"].as_str().unwrap_or("ended");
     event(ending, &fracture["end"], &reference["separated"]);
+    if let Some(reason) = fracture["stopped_because"].as_str() {
+        println!("  because {reason}");
+    }
     println!(
         "  bonds broken: {}; crack length: {:.4e} m",
         fracture["bonds_broken"],

@@ -5,4 +5,6 @@
 
 pub mod control;
 pub mod failure;
+pub mod programme;
+pub mod response;
 pub mod state;

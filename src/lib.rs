@@ -2,8 +2,7 @@
 //!
 //! # The paper on one page
 //!
-//! Qian, Fan, Shen & Xia (2021). Equation numbers are the paper's. What is here so far is the elastic
-//! solve; eqs. (5)–(7), the breaking of bonds and the damage, are not.
+//! Qian, Fan, Shen & Xia (2021). Equation numbers are the paper's.
 //!
 //! **Peridynamics** where cracks are to appear. Material points x_i, x_j no farther apart than the
 //! horizon δ interact by a bond ξ = x_j − x_i whose force is along it and proportional to its stretch
@@ -25,6 +24,9 @@
 //! eq. (20), with the same k and an area A_FE for the node. All of it adds up to one K, solved
 //! directly, without artificial damping.
 //!
+//! **Fracture**: a bond breaks at its critical stretch, eqs. (5) and (6), and damage is the share of a
+//! point's bonds that are broken, eq. (7). K U = R is solved again with what is left.
+//!
 //! docs/method.md has every formula as implemented, and where the paper leaves something open.
 //!
 //! # Modules in the order of the method
@@ -41,6 +43,7 @@
 //! | [`model`] | all of it in one numbering of nodes |
 //! | [`boundary`], [`support`] | supports and loads; is the body held? |
 //! | [`assembly`], [`linear_solver`], [`statics`] | eqs. (11), (12): K, its factor, U |
+//! | [`cracks`], [`fracture`] | eqs. (5)–(7): initial cracks, failure, load programmes, controls |
 //! | [`fields`] | stress, strain, stretch from U |
 //! | [`output`] | VTU, PVD, PNG |
 //! | [`pipeline`], [`cli`], [`phases`] | stages and commands; what each phase costs |
@@ -83,6 +86,10 @@
 //!   fracture analysis. Engineering Fracture Mechanics 141, 196–211. The kernel of eq. (9).
 //! - Hu W., Ha Y. D., Bobaru F. (2010). Numerical integration in peridynamics. Technical report,
 //!   University of Nebraska–Lincoln. The partial area HHB.
+//!
+//! Fracture:
+//! - DeJong M. J., Hendriks M. A. N., Rots J. G. (2008). Sequentially linear analysis of fracture under
+//!   non-proportional loading. Engineering Fracture Mechanics 75, 5042–5056.
 //!
 //! Finite elements and geometry:
 //! - Hinton E., Rock T., Zienkiewicz O. C. (1976). A note on mass lumping and related processes in the

@@ -1,9 +1,11 @@
 //! A pipeline file to results: [`spec`] (YAML as written) → [`plan`] (checked) → [`stamp`] (what is
 //! stale) → [`run`].
 
+mod checkpoint;
 mod files;
 pub mod folder;
 pub mod fracture;
+pub mod history;
 mod meshing;
 mod pictures;
 pub mod plan;

@@ -19,31 +19,12 @@ pub struct Solution {
     /// u of every node [m].
     pub displacement: Vec<[f64; 2]>,
     /// Force that the supports exert at every node [N]; zero where nothing is prescribed. Under the
-    /// splice, what they exert on the overlap is left out: its part of the boundary counts once, with the
-    /// material points.
+    /// splice, what they exert on the overlap is left out: its part of the boundary is the material
+    /// points'.
     pub reaction: Vec<[f64; 2]>,
     /// ‖K u − f‖₂ / ‖f‖₂ over the free dofs, prescribed displacements in f.
     pub residual: f64,
     pub size: SystemSize,
-}
-
-impl Solution {
-    /// Q = fᵀu + Σ reaction · prescribed displacement: the force conjugate to the load factor, twice
-    /// the elastic energy [J].
-    pub fn conjugate_force(&self, boundary: &Boundary) -> f64 {
-        let own = |(dof, f): (usize, &f64)| {
-            f - boundary.overlap_load.get(&dof).copied().unwrap_or(0.0)
-        };
-        let loads = boundary.load.iter().enumerate();
-        let by_loads: f64 = loads
-            .map(|(dof, f)| own((dof, f)) * self.displacement[dof / 2][dof % 2])
-            .sum();
-        let supports = boundary.prescribed.iter();
-        let by_supports: f64 = supports
-            .map(|(&dof, (value, _))| value * self.reaction[dof / 2][dof % 2])
-            .sum();
-        by_loads + by_supports
-    }
 }
 
 /// Sizes of the linear system.
@@ -71,6 +52,16 @@ pub enum StaticsError {
         x: f64,
         y: f64,
         springs: usize,
+    },
+    #[error(
+        "what hangs on {what} at ({x:.6e}, {y:.6e}) m swings freely under its load: the residual \
+         is {residual:.1e}"
+    )]
+    Swings {
+        what: &'static str,
+        x: f64,
+        y: f64,
+        residual: f64,
     },
     #[error("the solution is not finite at {what} ({x:.6e}, {y:.6e}) m")]
     NotFinite { what: &'static str, x: f64, y: f64 },
@@ -132,9 +123,11 @@ pub fn solve(
     phases: &mut Phases,
 ) -> Result<Solution, StaticsError> {
     let unsupported = phases.measure("support", || {
-        support::check(model, boundary).map(|()| support::fragments(model, boundary, &model.intact))
+        support::check(model, boundary)?;
+        Ok::<_, NotHeld>(support::loose_parts(model, boundary, &model.intact))
     })?;
-    Solver::new(model, boundary, phases)?.solve(&model.intact, &unsupported, phases)
+    let pinned: Vec<Vec<usize>> = unsupported.into_iter().map(|part| part.nodes).collect();
+    Solver::new(model, boundary, phases)?.solve(&model.intact, &pinned, phases)
 }
 
 /// What stays the same while bonds break: elements, the pattern of K, the structure of L.
@@ -160,6 +153,14 @@ impl<'a> Solver<'a> {
         })
     }
 
+    pub fn size(&self) -> SystemSize {
+        SystemSize {
+            dofs: self.boundary.load.len(),
+            stiffness_entries: self.structure.stiffness_entries(),
+            factor_entries: self.structure.factor_entries(),
+        }
+    }
+
     /// Solves with the springs that are `intact`; the nodes of `pinned` parts, which nothing holds,
     /// do not move.
     ///
@@ -174,34 +175,57 @@ impl<'a> Solver<'a> {
         let system = self.system(intact, pinned, &BTreeSet::new(), phases);
         let factor = phases.measure("factorisation", || self.structure.factorise(&system.held));
         let factor = factor.map_err(|error| self.locate(error))?;
-        self.finish(&system, &factor, phases)
+        self.finish(&system, &system.case(self.boundary), &factor, phases)
     }
 
-    /// The same for a body in which bonds break: a chunk may hang on a hinge. K is positive
-    /// semidefinite, so that a pivot vanishes where such a mechanism begins, and holding that dof
-    /// holds it: without force, for no load acts along it, which the residual of the free system
-    /// confirms. `mechanisms` collects these dofs; since bonds never heal, they stay.
+    /// The same for a body in which bonds break, under each of `cases`, which prescribe displacements
+    /// on the same dofs. A chunk may hang on a hinge: K is positive semidefinite, so that a pivot
+    /// vanishes where such a mechanism begins, and holding that dof holds it: without force, if no load
+    /// acts along it, which the residual of the free system tells. `mechanisms` collects these dofs;
+    /// since bonds never heal, they stay.
     ///
     /// # Errors
-    /// See [`StaticsError`].
+    /// See [`StaticsError`]; [`StaticsError::Swings`] where a load acts along a mechanism.
     pub fn solve_broken(
         &self,
+        cases: &[&Boundary],
         intact: &[bool],
         pinned: &[Vec<usize>],
         mechanisms: &mut BTreeSet<usize>,
         phases: &mut Phases,
-    ) -> Result<Solution, StaticsError> {
+    ) -> Result<Vec<Solution>, StaticsError> {
         loop {
             let system = self.system(intact, pinned, mechanisms, phases);
             let factor = phases.measure("factorisation", || self.structure.factorise(&system.held));
             match factor {
-                Ok(factor) => return self.finish(&system, &factor, phases),
+                Ok(factor) => {
+                    let solve = |boundary: &&Boundary| {
+                        self.finish(&system, &system.case(boundary), &factor, phases)
+                    };
+                    let solutions: Result<Vec<Solution>, _> = cases.iter().map(solve).collect();
+                    return solutions.map_err(|error| self.swings(error, mechanisms));
+                }
                 // The set grows with every turn, so that the loop ends.
-                Err(
-                    SolverError::NotPositiveDefinite { dof } | SolverError::Singular { dof },
-                ) if mechanisms.insert(dof) => {}
+                Err(SolverError::NotPositiveDefinite { dof } | SolverError::Singular { dof })
+                    if mechanisms.insert(dof) => {}
                 Err(error) => return Err(self.locate(error)),
             }
+        }
+    }
+
+    /// A residual where dofs are held that nothing but a mechanism lets go.
+    fn swings(&self, error: StaticsError, mechanisms: &BTreeSet<usize>) -> StaticsError {
+        match (error, mechanisms.last()) {
+            (StaticsError::Residual { residual, .. }, Some(&dof)) => {
+                let [x, y] = self.model.positions[dof / 2];
+                StaticsError::Swings {
+                    what: kind(self.model, dof / 2),
+                    x,
+                    y,
+                    residual,
+                }
+            }
+            (error, _) => error,
         }
     }
 
@@ -211,7 +235,7 @@ impl<'a> Solver<'a> {
         pinned: &[Vec<usize>],
         mechanisms: &BTreeSet<usize>,
         phases: &mut Phases,
-    ) -> System<'_> {
+    ) -> System {
         let Solver {
             model,
             boundary,
@@ -229,19 +253,16 @@ impl<'a> Solver<'a> {
     fn finish(
         &self,
         system: &System,
+        case: &Case,
         factor: &Factor,
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
-        let (displacement, residual) = phases.measure("solution", || system.solve(factor));
+        let (displacement, residual) = phases.measure("solution", || system.solve(case, factor));
         let solution = Solution {
-            reaction: system.reaction(&displacement, &self.boundary.own_share),
+            reaction: system.reaction(case, &displacement),
             displacement: vectors(&displacement),
             residual,
-            size: SystemSize {
-                dofs: system.load.len(),
-                stiffness_entries: self.structure.stiffness_entries(),
-                factor_entries: self.structure.factor_entries(),
-            },
+            size: self.size(),
         };
         check(self.model, &solution)?;
         Ok(solution)
@@ -292,46 +313,66 @@ fn kind(model: &Model, node: usize) -> &'static str {
 }
 
 /// K with its supports.
-struct System<'a> {
+struct System {
     /// K as assembled [N/m].
     stiffness: Stiffness,
-    /// K with a positive diagonal alone in the rows and columns of prescribed dofs.
+    /// K with a positive diagonal alone in the rows and columns of held dofs.
     held: Stiffness,
-    prescribed: Vec<Option<f64>>,
-    /// f [N].
-    load: &'a [f64],
+    /// Dofs of pinned parts.
+    pinned: Vec<usize>,
 }
 
-impl System<'_> {
-    fn new<'a>(
+/// What a system is solved for.
+struct Case<'a> {
+    /// [m].
+    prescribed: Vec<Option<f64>>,
+    /// f, loads on the overlap of a splice included [N].
+    load: Vec<f64>,
+    /// Of [`Boundary::own_share`].
+    own_share: &'a BTreeMap<usize, f64>,
+}
+
+impl System {
+    fn new(
         stiffness: Stiffness,
-        boundary: &'a Boundary,
+        boundary: &Boundary,
         pinned: &[Vec<usize>],
         mechanisms: &BTreeSet<usize>,
-    ) -> System<'a> {
-        let mut prescribed = vec![None; stiffness.dofs()];
-        for &node in pinned.iter().flatten() {
-            prescribed[2 * node] = Some(0.0);
-            prescribed[2 * node + 1] = Some(0.0);
+    ) -> System {
+        let nodes = pinned.iter().flatten();
+        let pinned: Vec<usize> = nodes.flat_map(|&n| [2 * n, 2 * n + 1]).collect();
+        let mut is_held = vec![false; stiffness.dofs()];
+        let supports = boundary.prescribed.keys();
+        for &dof in supports.chain(&pinned).chain(mechanisms) {
+            is_held[dof] = true;
         }
-        for (&dof, &(value, _)) in &boundary.prescribed {
-            prescribed[dof] = Some(value);
-        }
-        let mut is_held: Vec<bool> = prescribed.iter().map(Option::is_some).collect();
-        mechanisms.iter().for_each(|&dof| is_held[dof] = true);
         let held = stiffness.hold(&is_held);
         System {
             stiffness,
             held,
+            pinned,
+        }
+    }
+
+    fn case<'a>(&self, boundary: &'a Boundary) -> Case<'a> {
+        let mut prescribed = vec![None; boundary.load.len()];
+        self.pinned
+            .iter()
+            .for_each(|&dof| prescribed[dof] = Some(0.0));
+        for (&dof, &(value, _)) in &boundary.prescribed {
+            prescribed[dof] = Some(value);
+        }
+        Case {
             prescribed,
-            load: &boundary.load,
+            load: boundary.load.iter().zip(&boundary.overlap_load).map(|(a, b)| a + b).collect(),
+            own_share: &boundary.own_share,
         }
     }
 
     /// The displacements, dof by dof [m], and the relative residual.
-    fn solve(&self, factor: &Factor) -> (Vec<f64>, f64) {
-        let mut u: Vec<f64> = self.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
-        let mut residual = self.residual(&u);
+    fn solve(&self, case: &Case, factor: &Factor) -> (Vec<f64>, f64) {
+        let mut u: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
+        let mut residual = self.residual(case, &u);
         let scale = norm(&residual);
         if scale == 0.0 {
             return (u, 0.0);
@@ -341,7 +382,7 @@ impl System<'_> {
             let mut correction = residual;
             factor.solve_in_place(&mut correction);
             let refined: Vec<f64> = u.iter().zip(&correction).map(|(u, c)| u + c).collect();
-            residual = self.residual(&refined);
+            residual = self.residual(case, &refined);
             let now = norm(&residual) / scale;
             // Also false for a residual that is not a number: the check that follows reports it.
             let better = now < relative;
@@ -356,40 +397,40 @@ impl System<'_> {
     }
 
     /// f − K u at free dofs, zero at prescribed ones [N].
-    fn residual(&self, u: &[f64]) -> Vec<f64> {
+    fn residual(&self, case: &Case, u: &[f64]) -> Vec<f64> {
         let mut residual = self.stiffness.multiply(u);
         for (dof, r) in residual.iter_mut().enumerate() {
-            *r = if self.prescribed[dof].is_some() {
+            *r = if case.prescribed[dof].is_some() {
                 0.0
             } else {
-                self.load[dof] - *r
+                case.load[dof] - *r
             };
         }
         residual
     }
 
     /// K u − f at prescribed dofs, by node [N].
-    fn reaction(&self, u: &[f64], own_share: &BTreeMap<usize, f64>) -> Vec<[f64; 2]> {
+    fn reaction(&self, case: &Case, u: &[f64]) -> Vec<[f64; 2]> {
         let mut reaction = self.stiffness.multiply(u);
         for (dof, r) in reaction.iter_mut().enumerate() {
-            *r = if self.prescribed[dof].is_some() {
-                *r - self.load[dof]
+            *r = if case.prescribed[dof].is_some() {
+                *r - case.load[dof]
             } else {
                 0.0
             };
         }
-        for (&dof, share) in own_share {
+        for (&dof, share) in case.own_share {
             reaction[dof] *= share;
         }
         vectors(&reaction)
     }
 }
 
-/// Sum of the reactions on each group that prescribes a displacement [N].
-pub fn group_reactions(boundary: &Boundary, solution: &Solution) -> BTreeMap<String, [f64; 2]> {
+/// Sum of the nodes' reactions on each group that prescribes a displacement [N].
+pub fn group_reactions(boundary: &Boundary, reaction: &[[f64; 2]]) -> BTreeMap<String, [f64; 2]> {
     let mut sums: BTreeMap<String, [f64; 2]> = BTreeMap::new();
     for (&dof, (_, group)) in &boundary.prescribed {
-        sums.entry(group.clone()).or_default()[dof % 2] += solution.reaction[dof / 2][dof % 2];
+        sums.entry(group.clone()).or_default()[dof % 2] += reaction[dof / 2][dof % 2];
     }
     sums
 }

@@ -74,7 +74,7 @@ pub fn check(model: &Model, boundary: &Boundary) -> Result<(), NotHeld> {
     let parts = connected_parts(model, &uncracked);
     let whole = parts.len() == 1;
     for nodes in &parts {
-        let free = free_motions(model, boundary, nodes);
+        let free = FreeMotions::of(model, boundary, nodes).describe();
         if !free.is_empty() {
             return Err(NotHeld {
                 regions: region_names(model, nodes),
@@ -86,12 +86,58 @@ pub fn check(model: &Model, boundary: &Boundary) -> Result<(), NotHeld> {
     Ok(())
 }
 
-/// The parts of the body that the springs still intact tie to nothing that holds them: what has
-/// broken off.
-pub fn fragments(model: &Model, boundary: &Boundary, intact: &[bool]) -> Vec<Vec<usize>> {
-    let mut parts = connected_parts(model, intact);
-    parts.retain(|nodes| !free_motions(model, boundary, nodes).is_empty());
-    parts
+/// A part of the body that can move as a whole.
+pub struct LoosePart {
+    /// Ascending.
+    pub nodes: Vec<usize>,
+    /// Whether some support touches it, though not enough of them to hold it.
+    pub touches_support: bool,
+    free: FreeMotions,
+}
+
+impl LoosePart {
+    /// Whether the loads [N, by dof] do work along a free motion: nothing is there to carry them.
+    pub fn is_pushed(&self, model: &Model, load: &[f64]) -> bool {
+        let FreeMotions {
+            centre,
+            size,
+            motions,
+        } = &self.free;
+        motions.iter().any(|motion| {
+            let (mut work, mut scale) = (0.0, 0.0);
+            for &node in &self.nodes {
+                let [x, y] = [0, 1].map(|k| (model.positions[node][k] - centre[k]) / size);
+                let [fx, fy] = [load[2 * node], load[2 * node + 1]];
+                work += fx * (motion[0] - motion[2] * y) + fy * (motion[1] + motion[2] * x);
+                scale += fx.abs() + fy.abs();
+            }
+            work.abs() > PUSHED * scale
+        })
+    }
+}
+
+/// Loads whose work along a unit motion is a smaller share of their sum are in balance: consistent
+/// loads are exact to 1e-15, sums over a mesh to some digits less.
+const PUSHED: f64 = 1e-10;
+
+/// The parts that the springs still intact do not tie to enough supports: what has broken off, or hangs
+/// on a roller.
+pub fn loose_parts(model: &Model, boundary: &Boundary, intact: &[bool]) -> Vec<LoosePart> {
+    let is_held = |&node: &usize| {
+        let mut dofs = [2 * node, 2 * node + 1].into_iter();
+        dofs.any(|dof| boundary.prescribed.contains_key(&dof))
+    };
+    let loose = |nodes: Vec<usize>| {
+        let free = FreeMotions::of(model, boundary, &nodes);
+        let touches_support = nodes.iter().any(is_held);
+        (!free.motions.is_empty()).then_some(LoosePart {
+            nodes,
+            touches_support,
+            free,
+        })
+    };
+    let parts = connected_parts(model, intact).into_iter();
+    parts.filter_map(loose).collect()
 }
 
 /// The sets of nodes that elements and intact springs with stiffness connect, ordered by their
@@ -146,29 +192,47 @@ fn region_names(model: &Model, nodes: &[usize]) -> Vec<String> {
         .collect()
 }
 
-/// The rigid motions (a_x, a_y, ω R) about the part's centroid that no prescribed dof sees, R being
-/// the part's size.
-fn free_motions(model: &Model, boundary: &Boundary, nodes: &[usize]) -> Vec<RigidMotion> {
-    let count = nodes.len() as f64;
-    let centre =
-        [0, 1].map(|axis| nodes.iter().map(|&n| model.positions[n][axis]).sum::<f64>() / count);
-    let arm = |n: usize| [0, 1].map(|axis| model.positions[n][axis] - centre[axis]);
-    let size = nodes
-        .iter()
-        .map(|&n| arm(n)[0].hypot(arm(n)[1]))
-        .fold(f64::MIN_POSITIVE, f64::max);
-    let mut held = Matrix3::zeros();
-    for &node in nodes {
-        let [x, y] = arm(node).map(|a| a / size);
-        let rows = [Vector3::new(1.0, 0.0, -y), Vector3::new(0.0, 1.0, x)];
-        for (axis, row) in rows.iter().enumerate() {
-            if boundary.prescribed.contains_key(&(2 * node + axis)) {
-                held += row * row.transpose();
+/// The rigid motions (a_x, a_y, ω R) about a part's centroid that no prescribed dof sees, R being the
+/// part's size [m].
+struct FreeMotions {
+    centre: [f64; 2],
+    size: f64,
+    motions: Vec<Vector3<f64>>,
+}
+
+impl FreeMotions {
+    fn of(model: &Model, boundary: &Boundary, nodes: &[usize]) -> FreeMotions {
+        let count = nodes.len() as f64;
+        let centre =
+            [0, 1].map(|axis| nodes.iter().map(|&n| model.positions[n][axis]).sum::<f64>() / count);
+        let arm = |n: usize| [0, 1].map(|axis| model.positions[n][axis] - centre[axis]);
+        let size = nodes
+            .iter()
+            .map(|&n| arm(n)[0].hypot(arm(n)[1]))
+            .fold(f64::MIN_POSITIVE, f64::max);
+        let mut held = Matrix3::zeros();
+        for &node in nodes {
+            let [x, y] = arm(node).map(|a| a / size);
+            let rows = [Vector3::new(1.0, 0.0, -y), Vector3::new(0.0, 1.0, x)];
+            for (axis, row) in rows.iter().enumerate() {
+                if boundary.prescribed.contains_key(&(2 * node + axis)) {
+                    held += row * row.transpose();
+                }
             }
         }
+        FreeMotions {
+            centre,
+            size,
+            motions: null_space(held),
+        }
     }
-    let free = null_space(held).into_iter();
-    free.map(|motion| describe(motion, centre, size)).collect()
+
+    fn describe(&self) -> Vec<RigidMotion> {
+        let motions = self.motions.iter();
+        motions
+            .map(|&motion| describe(motion, self.centre, self.size))
+            .collect()
+    }
 }
 
 /// Unit vectors that span the null space, translations apart from rotations where they can be.

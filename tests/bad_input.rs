@@ -413,6 +413,80 @@ fn cracks_and_loading() {
 }
 
 #[test]
+fn programmes() {
+    let boundary = |top: &str, bottom: &str| {
+        format!(
+            "boundary:
+  - {{ group: top, displacement: {{ x: 0, y: 5.0e-9 m }}{top} }}
+  - {{ group: bottom, displacement: {{ x: 0, y: -5.0e-9 m }}{bottom} }}
+"
+        )
+    };
+    let place = Workplace::with_plate();
+    let text = String::from_utf8(place.read("plate.yaml")).expect("UTF-8");
+    let from = text.find("boundary:").expect("the key");
+    let to = text.find("loading:").expect("the key");
+    let old = &text[from..to];
+    let refused = |boundary: &str, loading: &str, message: &[&str]| {
+        let place = Workplace::with_plate();
+        place.edit("plate.yaml", old, boundary);
+        place.edit(
+            "plate.yaml",
+            "steps: 200",
+            &format!("steps: 200, {loading}"),
+        );
+        assert_refused(&place, &["plate.yaml"], 2, message);
+    };
+    let both = boundary(", phase: up", ", phase: up");
+    let up = "phases: [{ name: up, to: 3 }]";
+    refused(
+        &both,
+        "phases: [{ name: ap }]",
+        &["plate.yaml:", "no phase `up`", "mean `ap`?"],
+    );
+    refused(
+        &both,
+        "to: 0",
+        &["plate.yaml:", "no phase `up`", "there are none"],
+    );
+    refused(
+        &boundary(", phase: up", ""),
+        up,
+        &[
+            "plate.yaml:14:",
+            "`bottom` belongs to no phase",
+            "one of `up`",
+        ],
+    );
+    refused(
+        &both,
+        "phases: [{ name: up }, { name: down, to: 3 }]",
+        &["plate.yaml:", "the phase `up` has no end", "add `to:`"],
+    );
+    refused(
+        &both,
+        "phases: [{ name: up, to: 3 }, { name: down }]",
+        &["plate.yaml:", "nothing happens in the phase `down`"],
+    );
+    refused(
+        &both,
+        "phases: [{ name: up, to: 3 }, { name: up }]",
+        &["plate.yaml:", "two phases have this name"],
+    );
+    refused(
+        &both,
+        "to: 5, phases: [{ name: up, to: 3 }]",
+        &["plate.yaml:", "`to` belongs to a phase here"],
+    );
+    refused(
+        &both,
+        "phases: [{ name: up, to: -3 }]",
+        &["plate.yaml:", "not positive"],
+    );
+    refused(old, "increment: 0", &["plate.yaml:", "not positive"]);
+}
+
+#[test]
 fn strengths() {
     let both = ", tensile_strength: 2.01 MPa, compressive_strength: 20.1 MPa";
     let none = ["plate.yaml:15:", "no bond can break", "remove `loading`"];

@@ -1,11 +1,11 @@
 //! How the load grows while bonds break.
 
+use super::programme::{LoadPhase, Programme};
+use super::response::{Event, Load, Response};
 use super::state::{Limits, State};
-use crate::boundary::Boundary;
 use crate::model::Model;
 use crate::phases::Phases;
-use crate::statics::{Solution, Solver, StaticsError};
-use rayon::prelude::*;
+use crate::statics::{Solver, StaticsError};
 
 /// The three controls.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,17 +25,24 @@ pub enum Control {
 /// Where a run ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Until {
-    /// Load steps of Δλ = 1, or events.
+    /// Load steps, or events.
     pub steps: usize,
-    /// Whether a force under [`SEPARATED`] of its peak ends the run.
+    /// Whether the separation of the body ends the run.
     pub separated: bool,
 }
 
-/// How a run ended; none of these is an error.
+/// How a run ended; none of these is an error but [`Ending::Singular`], behind which the last good state
+/// stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
-    /// The force fell under 2 % of its peak.
+    /// The reaction fell under 2 % of its peak, or a loaded part broke off.
     Separated,
+    /// A loaded part hangs on a hinge and swings freely.
+    Collapsed,
+    /// K of what is left is singular, or too close to it for a solution.
+    Singular,
+    /// The programme has come to its end.
+    LoadLimit,
     /// All steps are done.
     StepLimit,
     /// Bonds still broke after the most passes at one load.
@@ -45,17 +52,28 @@ pub enum Ending {
 }
 
 impl Ending {
-    pub const ALL: [Ending; 4] = [
+    pub const ALL: [Ending; 7] = [
         Ending::Separated,
+        Ending::Collapsed,
+        Ending::Singular,
+        Ending::LoadLimit,
         Ending::StepLimit,
         Ending::PassLimit,
         Ending::NothingLeftToBreak,
     ];
 
+    /// The one that [`Ending::describe`] calls so.
+    pub fn from_description(name: &str) -> Option<Ending> {
+        Ending::ALL.into_iter().find(|e| e.describe() == name)
+    }
+
     /// In a few words.
     pub fn describe(self) -> &'static str {
         match self {
             Ending::Separated => "separated",
+            Ending::Collapsed => "collapsed",
+            Ending::Singular => "stopped, singular",
+            Ending::LoadLimit => "load limit",
             Ending::StepLimit => "step limit",
             Ending::PassLimit => "pass limit",
             Ending::NothingLeftToBreak => "nothing left to break",
@@ -73,14 +91,14 @@ const TIE: f64 = 1e-3;
 /// Everything that a run needs and does not change.
 pub struct Problem<'a> {
     pub model: &'a Model,
-    pub boundary: &'a Boundary,
+    pub programme: &'a Programme,
     pub limits: &'a Limits,
     pub control: Control,
     pub until: Until,
 }
 
 /// One line of the history.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Record {
     pub broken: usize,
     pub passes: usize,
@@ -96,58 +114,75 @@ pub fn run<E: From<StaticsError>>(
     problem: &Problem,
     state: &mut State,
     phases: &mut Phases,
-    mut observe: impl FnMut(&State, Record, &Solution) -> Result<(), E>,
+    mut observe: impl FnMut(&State, Record, &Response) -> Result<(), E>,
 ) -> Result<Ending, E> {
     // Decided from the state alone, so that a run resumed behind its last step ends there too.
+    state.begin_phase_if_due(problem.model, problem.programme);
     if let Some(ending) = ending(problem, state) {
         return Ok(ending);
     }
-    let mut response = Response::new(problem, state, phases)?;
-    loop {
-        let Some(load_factor) = response.next_load(problem, state) else {
-            return Ok(Ending::NothingLeftToBreak);
-        };
+    let solver = Solver::new(problem.model, problem.programme.supports(), phases)?;
+    let mut response = match Response::new(&solver, problem, state, phases) {
+        Ok(response) => response,
+        // Before the first step it is the problem that has no solution.
+        Err(error) if state.step == 0 && !matches!(error, StaticsError::Swings { .. }) => {
+            return Err(error.into());
+        }
+        Err(error) => return Ok(state.stop(&error)),
+    };
+    while let Some(load) = next_load(problem, state, &response) {
         state.step += 1;
-        let mut record = Record {
-            broken: 0,
-            passes: 0,
-            residual: 0.0,
-        };
+        let mut record = Record::default();
         let last_broken = loop {
-            state.advance(problem.model, problem.boundary, &response.unit, load_factor);
-            let broken = response.break_bonds(problem, state);
+            state.advance(problem, &response, load);
+            let broken = break_bonds(problem, state, &response, load);
             record.broken += broken;
             record.passes += 1;
-            record.residual = f64::max(record.residual, response.unit.residual);
-            match problem.control {
-                Control::Equilibrium { most_passes } if broken > 0 => {
-                    if record.passes == most_passes {
-                        break broken;
-                    }
-                    response.refresh(state, phases)?;
+            record.residual = f64::max(record.residual, response.residual());
+            if state.load_lost || broken == 0 || !passes_again(problem.control, record.passes) {
+                break broken;
+            }
+            match Response::new(&solver, problem, state, phases) {
+                Ok(settled) => response = settled,
+                Err(error) => {
+                    state.stop(&error);
+                    break broken;
                 }
-                _ => break broken,
             }
         };
-        observe(state, record, &response.unit)?;
+        observe(state, record, &response)?;
+        let is_new_phase = state.begin_phase_if_due(problem.model, problem.programme);
         if let Some(ending) = ending(problem, state) {
             return Ok(ending);
         }
-        if last_broken > 0 {
-            response.refresh(state, phases)?;
+        if last_broken > 0 || is_new_phase {
+            match Response::new(&solver, problem, state, phases) {
+                Ok(settled) => response = settled,
+                Err(error) => return Ok(state.stop(&error)),
+            }
         }
     }
+    Ok(Ending::NothingLeftToBreak)
+}
+
+/// Whether bonds that broke call for another solve at the same load.
+fn passes_again(control: Control, passes: usize) -> bool {
+    matches!(control, Control::Equilibrium { most_passes } if passes < most_passes)
 }
 
 /// Whether the run ends with this state.
 fn ending(problem: &Problem, state: &State) -> Option<Ending> {
     let Problem { control, until, .. } = problem;
     let is_equilibrium = matches!(control, Control::Equilibrium { .. });
-    if until.separated && state.energy.force.abs() < SEPARATED * state.peak_force {
+    if state.load_lost || (until.separated && state.force.is_spent()) {
         Some(Ending::Separated)
+    } else if let Some((ending, _)) = &state.stopped {
+        Some(*ending)
     } else if is_equilibrium && !state.just_broken.is_empty() {
         // The passes did not suffice: a step that has settled leaves no bond freshly broken.
         Some(Ending::PassLimit)
+    } else if problem.programme.is_over(state.phase, state.load) {
+        Some(Ending::LoadLimit)
     } else if state.step == until.steps {
         Some(Ending::StepLimit)
     } else {
@@ -155,98 +190,27 @@ fn ending(problem: &Problem, state: &State) -> Option<Ending> {
     }
 }
 
-/// The solution for λ = 1 in the given state.
-///
-/// # Errors
-/// What the solver reports.
-pub fn unit_response(
-    problem: &Problem,
-    state: &mut State,
-    phases: &mut Phases,
-) -> Result<Solution, StaticsError> {
-    Ok(Response::new(problem, state, phases)?.unit)
+/// The load of the next step, or of the next event; `None` where no load breaks a bond.
+fn next_load(problem: &Problem, state: &State, response: &Response) -> Option<Load> {
+    let LoadPhase { increment, end, .. } = problem.programme.phases[state.phase];
+    let end = end.unwrap_or(f64::INFINITY);
+    match problem.control {
+        Control::OnePass | Control::Equilibrium { .. } => {
+            let next = (state.step - state.phase_start) as f64 + 1.0;
+            Some(Load::full(f64::min(next * increment, end)))
+        }
+        Control::EventDriven => match response.next_event(problem, state) {
+            Event::Break(load) => Some(load),
+            Event::PhaseEnd => Some(Load::full(end)),
+            Event::None => None,
+        },
+    }
 }
 
-/// The solution for λ = 1 with the bonds that are intact.
-struct Response<'a> {
-    solver: Solver<'a>,
-    unit: Solution,
-}
-
-impl<'a> Response<'a> {
-    fn new(
-        problem: &Problem<'a>,
-        state: &mut State,
-        phases: &mut Phases,
-    ) -> Result<Response<'a>, StaticsError> {
-        let solver = Solver::new(problem.model, problem.boundary, phases)?;
-        let unit = solver.solve_broken(
-            &state.intact,
-            &state.fragments,
-            &mut state.mechanisms,
-            phases,
-        )?;
-        Ok(Response { solver, unit })
-    }
-
-    fn refresh(&mut self, state: &mut State, phases: &mut Phases) -> Result<(), StaticsError> {
-        let State {
-            intact,
-            fragments,
-            mechanisms,
-            ..
-        } = state;
-        self.unit = self
-            .solver
-            .solve_broken(intact, fragments, mechanisms, phases)?;
-        Ok(())
-    }
-
-    /// λ of the next step, or of the next event; `None` where no load breaks a bond.
-    fn next_load(&self, problem: &Problem, state: &State) -> Option<f64> {
-        match problem.control {
-            Control::OnePass | Control::Equilibrium { .. } => Some((state.step + 1) as f64),
-            Control::EventDriven => {
-                let next = self.load_factors(problem, state);
-                let first = next.into_iter().fold(f64::INFINITY, f64::min);
-                first.is_finite().then_some(first)
-            }
-        }
-    }
-
-    /// λ at which each spring breaks; infinite for those that are broken or never do.
-    fn load_factors(&self, problem: &Problem, state: &State) -> Vec<f64> {
-        let Problem { model, limits, .. } = problem;
-        let factor = |s: usize| {
-            if !state.intact[s] {
-                return f64::INFINITY;
-            }
-            let displacement = &self.unit.displacement;
-            let stretch = model.springs.stretch(s, &model.positions, displacement);
-            limits.of(s).load_factor(stretch)
-        };
-        (0..model.springs.len())
-            .into_par_iter()
-            .map(factor)
-            .collect()
-    }
-
-    fn break_bonds(&self, problem: &Problem, state: &mut State) -> usize {
-        let Problem {
-            model,
-            boundary,
-            limits,
-            control,
-            ..
-        } = problem;
-        if *control != Control::EventDriven {
-            return state.break_exceeded(model, boundary, limits);
-        }
-        let reached = state.load_factor * (1.0 + TIE);
-        let factors = self.load_factors(problem, state);
-        let now: Vec<usize> = (0..factors.len())
-            .filter(|&s| factors[s] <= reached)
-            .collect();
-        state.break_bonds(model, boundary, &now)
-    }
+fn break_bonds(problem: &Problem, state: &mut State, response: &Response, load: Load) -> usize {
+    let bonds = match problem.control {
+        Control::EventDriven => response.bonds_at_limit(problem, state, load, TIE),
+        _ => state.exceeded(problem.model, problem.limits),
+    };
+    state.break_bonds(problem, &bonds)
 }

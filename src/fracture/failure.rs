@@ -54,16 +54,9 @@ impl CriticalStretch {
         s > self.tension || s < -self.compression
     }
 
-    /// The load factor at which a bond breaks whose stretch is `s` per unit of it; infinite where
-    /// no positive factor breaks it.
-    pub fn load_factor(&self, s: f64) -> f64 {
-        if s > 0.0 {
-            self.tension / s
-        } else if s < 0.0 {
-            self.compression / -s
-        } else {
-            f64::INFINITY
-        }
+    /// The stretch over the limit of its sign: above one the bond breaks [-].
+    pub fn utilisation(&self, s: f64) -> f64 {
+        (s / self.tension).max(-s / self.compression)
     }
 }
 
@@ -110,8 +103,8 @@ mod tests {
         };
         assert!(limit.is_exceeded(1.1) && limit.is_exceeded(-10.1));
         assert!(!limit.is_exceeded(0.9) && !limit.is_exceeded(-9.9));
-        assert_eq!(limit.load_factor(0.5), 2.0);
-        assert_eq!(limit.load_factor(-0.5), 20.0);
-        assert!(CriticalStretch::UNBREAKABLE.load_factor(3.0).is_infinite());
+        assert_eq!(limit.utilisation(0.5), 0.5);
+        assert_eq!(limit.utilisation(-0.5), 0.05);
+        assert_eq!(CriticalStretch::UNBREAKABLE.utilisation(-3.0), 0.0);
     }
 }

@@ -1,9 +1,11 @@
 //! What changes during a run: which bonds are intact, and what their breaking has cost.
 
+use super::control::{Ending, Problem, SEPARATED};
 use super::failure::CriticalStretch;
-use crate::boundary::Boundary;
+use super::programme::Programme;
+use super::response::{Load, Response};
 use crate::model::Model;
-use crate::statics::Solution;
+use crate::statics::StaticsError;
 use crate::support;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -13,18 +15,27 @@ use std::collections::BTreeSet;
 pub struct State {
     /// Load steps, or events, behind us.
     pub step: usize,
-    /// λ [-].
-    pub load_factor: f64,
+    /// The current phase of the programme, and the step behind which it began.
+    pub phase: usize,
+    pub phase_start: usize,
+    pub load: Load,
+    /// The largest λ of this phase so far: where a load that only grows would be.
+    pub envelope: f64,
     /// u of every node [m].
     pub displacement: Vec<[f64; 2]>,
     pub intact: Vec<bool>,
-    /// Nodes of the parts that nothing holds any more; they stay where they broke off.
+    /// Nodes of the parts that no support touches any more; they stay where they broke off.
     pub fragments: Vec<Vec<usize>>,
+    /// Whether a load pushes a part that the supports do not hold.
+    pub load_lost: bool,
     /// Dofs that are held because a chunk hangs on a hinge there.
     pub mechanisms: BTreeSet<usize>,
+    /// Where there is no solution any more: how the run ends, and why.
+    pub stopped: Option<(Ending, String)>,
     pub energy: Energy,
-    /// The largest conjugate force so far, |Q| [J].
-    pub peak_force: f64,
+    pub force: LoadForce,
+    /// Force [N] and displacement [m] at each of the programme's dofs.
+    pub surroundings: Vec<[f64; 2]>,
     /// Bonds broken since the last solution: index, and elongation n·(u_j − u_i) then [m].
     pub just_broken: Vec<(u32, f64)>,
 }
@@ -32,109 +43,190 @@ pub struct State {
 /// Energies since the start [J].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
-    /// Work of loads and supports, ∫ Q dλ along straight pieces of the path.
+    /// Work of loads and supports, ∫ r·du along straight pieces of the path.
     pub external: f64,
     /// ½ uᵀ K u.
     pub elastic: f64,
     /// What the broken bonds took, Σ ½ k e e' with the elongations before and after the break.
     pub dissipated: f64,
-    /// Q at the last point of the path, conjugate to λ [J].
-    pub force: f64,
+}
+
+/// How the supports that the current phase moves resist it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LoadForce {
+    /// λ Q, the reaction that goes with λ alone [J].
+    pub now: f64,
+    /// Its largest amount in this phase [J].
+    pub peak: f64,
+    /// Q at the phase's start and now [J].
+    pub stiffness: [f64; 2],
+    /// Whether earlier phases have left loads in place.
+    pub is_on_top: bool,
+}
+
+impl LoadForce {
+    /// Whether next to nothing is left of the reaction. On top of held loads it also passes through
+    /// zero while the body is whole, so that there the stiffness must be gone too.
+    pub fn is_spent(&self) -> bool {
+        let [first, now] = self.stiffness;
+        let is_soft = now.abs() < SEPARATED * first.abs();
+        self.now.abs() < SEPARATED * self.peak && (is_soft || !self.is_on_top)
+    }
 }
 
 impl State {
     /// Before the first load, initial cracks open.
-    pub fn new(model: &Model, boundary: &Boundary) -> State {
-        State {
+    pub fn new(model: &Model, programme: &Programme) -> State {
+        let mut state = State {
             step: 0,
-            load_factor: 0.0,
+            phase: 0,
+            phase_start: 0,
+            load: Load::full(0.0),
+            envelope: 0.0,
             displacement: vec![[0.0; 2]; model.node_count()],
             intact: model.intact.clone(),
-            fragments: support::fragments(model, boundary, &model.intact),
+            fragments: Vec::new(),
+            load_lost: false,
             mechanisms: BTreeSet::new(),
+            stopped: None,
             energy: Energy::default(),
-            peak_force: 0.0,
+            force: LoadForce::default(),
+            surroundings: vec![[0.0; 2]; programme.dofs.len()],
             just_broken: Vec::new(),
-        }
+        };
+        state.find_loose_parts(model, programme);
+        state
     }
 
-    /// Moves along the straight path to `load_factor`, where `unit` is the response to λ = 1.
-    pub fn advance(
-        &mut self,
-        model: &Model,
-        boundary: &Boundary,
-        unit: &Solution,
-        load_factor: f64,
-    ) {
+    fn find_loose_parts(&mut self, model: &Model, programme: &Programme) {
+        let loose = support::loose_parts(model, programme.supports(), &self.intact);
+        let pushed = |part: &support::LoosePart| {
+            let mut loads = programme.loads(self.phase);
+            loads.any(|load| part.is_pushed(model, load))
+        };
+        self.load_lost = loose.iter().any(pushed);
+        let fragments = loose.into_iter().filter(|part| !part.touches_support);
+        self.fragments = fragments.map(|part| part.nodes).collect();
+    }
+
+    /// Goes over to the next phase where this one is at its end and not the last.
+    pub fn begin_phase_if_due(&mut self, model: &Model, programme: &Programme) -> bool {
+        let is_due =
+            programme.ends_at(self.phase, self.load) && !programme.is_over(self.phase, self.load);
+        if is_due {
+            self.phase += 1;
+            self.phase_start = self.step;
+            self.load = Load::full(0.0);
+            self.envelope = 0.0;
+            self.force = LoadForce {
+                is_on_top: true,
+                ..LoadForce::default()
+            };
+            self.find_loose_parts(model, programme);
+        }
+        is_due
+    }
+
+    /// Moves along the straight path to `load`.
+    pub fn advance(&mut self, problem: &Problem, response: &Response, load: Load) {
         let frozen: Vec<usize> = self.fragments.iter().flatten().copied().collect();
         let kept: Vec<[f64; 2]> = frozen.iter().map(|&node| self.displacement[node]).collect();
-        let moved = unit.displacement.iter().map(|u| u.map(|u| load_factor * u));
+        let moved = (0..self.displacement.len()).map(|node| response.at(load, node).0);
         self.displacement = moved.collect();
         for (&node, u) in frozen.iter().zip(kept) {
             self.displacement[node] = u;
         }
-        self.account(
-            model,
-            unit.conjugate_force(boundary),
-            load_factor,
-            &unit.displacement,
-        );
-        self.load_factor = load_factor;
+        self.account(problem, response, load);
+        self.resist(response.stiffness(problem, self.phase), load);
+        self.load = load;
+        self.envelope = self.envelope.max(load.factor);
     }
 
-    fn account(&mut self, model: &Model, stiffness: f64, load_factor: f64, unit: &[[f64; 2]]) {
-        let force = stiffness * load_factor;
-        let Energy {
-            external,
-            elastic,
-            dissipated,
-            force: last,
-        } = &mut self.energy;
-        *external += 0.5 * (*last + force) * (load_factor - self.load_factor);
-        *elastic = 0.5 * force * load_factor;
+    /// Energies. With r = K u, equal to loads and reactions, before and after the break of bonds,
+    /// ½ (r + r')·(u' − u) = Δ(½ uᵀ K u) + Σ ½ k e e' holds for any two states.
+    fn account(&mut self, problem: &Problem, response: &Response, load: Load) {
+        let Problem {
+            model, programme, ..
+        } = problem;
+        let mut elastic = 0.0;
+        for (&dof, before) in programme.dofs.iter().zip(&mut self.surroundings) {
+            let (u, reaction) = response.at(load, dof / 2);
+            let force = reaction[dof % 2] + programme.force(self.phase, load, dof);
+            let u = u[dof % 2];
+            self.energy.external += 0.5 * (before[0] + force) * (u - before[1]);
+            elastic += 0.5 * force * u;
+            *before = [force, u];
+        }
+        self.energy.elastic = elastic;
         for (spring, before) in self.just_broken.drain(..) {
             let spring = spring as usize;
             let length = model.springs.length(spring, &model.positions);
-            let after =
-                load_factor * length * model.springs.stretch(spring, &model.positions, unit);
-            *dissipated += 0.5 * model.bond_share(spring) * model.springs.stiffness[spring] * before * after;
+            let after = length * response.stretch(problem, spring, load);
+            let stiffness = model.bond_share(spring) * model.springs.stiffness[spring];
+            self.energy.dissipated += 0.5 * stiffness * before * after;
         }
-        *last = force;
-        self.peak_force = self.peak_force.max(force.abs());
     }
 
-    /// Breaks every intact bond that is over its limit and returns how many.
-    pub fn break_exceeded(&mut self, model: &Model, boundary: &Boundary, limits: &Limits) -> usize {
-        let over = |&s: &usize| {
-            let Model {
-                springs, positions, ..
-            } = model;
-            let stretch = springs.stretch(s, positions, &self.displacement);
-            limits.of(s).is_exceeded(stretch)
+    fn resist(&mut self, stiffness: f64, load: Load) {
+        let force = &mut self.force;
+        force.now = load.share * load.factor * stiffness;
+        force.peak = force.peak.max(force.now.abs());
+        if force.stiffness[0] == 0.0 {
+            force.stiffness[0] = stiffness;
+        }
+        force.stiffness[1] = stiffness;
+    }
+
+    /// What is left has no solution: the run ends here.
+    pub fn stop(&mut self, error: &StaticsError) -> Ending {
+        let ending = match error {
+            StaticsError::Swings { .. } => Ending::Collapsed,
+            _ => Ending::Singular,
         };
-        let broken: Vec<usize> = (0..model.springs.len())
+        self.stopped = Some((ending, error.to_string()));
+        ending
+    }
+
+    /// Intact bonds that are over their limit.
+    pub fn exceeded(&self, model: &Model, limits: &Limits) -> Vec<usize> {
+        let over = |&s: &usize| limits.of(s).is_exceeded(self.stretch(model, s));
+        (0..model.springs.len())
             .into_par_iter()
             .filter(|&s| self.intact[s])
             .filter(over)
-            .collect();
-        self.break_bonds(model, boundary, &broken)
+            .collect()
     }
 
-    /// Breaks the given bonds, and finds what falls off.
-    pub fn break_bonds(&mut self, model: &Model, boundary: &Boundary, bonds: &[usize]) -> usize {
+    /// Breaks the given bonds, finds what falls off, and returns how many have broken.
+    pub fn break_bonds(&mut self, problem: &Problem, bonds: &[usize]) -> usize {
+        let Problem {
+            model, programme, ..
+        } = problem;
         for &spring in bonds {
-            let Model {
-                springs, positions, ..
-            } = model;
-            let length = springs.length(spring, positions);
-            let stretch = springs.stretch(spring, positions, &self.displacement);
+            let length = model.springs.length(spring, &model.positions);
+            let elongation = length * self.stretch(model, spring);
             self.intact[spring] = false;
-            self.just_broken.push((spring as u32, stretch * length));
+            self.just_broken.push((spring as u32, elongation));
         }
         if !bonds.is_empty() {
-            self.fragments = support::fragments(model, boundary, &self.intact);
+            self.find_loose_parts(model, programme);
         }
         bonds.len()
+    }
+
+    /// Stretch of a spring [-].
+    pub fn stretch(&self, model: &Model, spring: usize) -> f64 {
+        let Model {
+            springs, positions, ..
+        } = model;
+        springs.stretch(spring, positions, &self.displacement)
+    }
+
+    /// The intact spring nearest to its limit, and its stretch over it [-].
+    pub fn most_strained(&self, model: &Model, limits: &Limits) -> Option<(usize, f64)> {
+        let intact = (0..model.springs.len()).filter(|&s| self.intact[s]);
+        let utilised = intact.map(|s| (s, limits.of(s).utilisation(self.stretch(model, s))));
+        utilised.max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Bonds and trusses broken since the start, initial cracks apart.

@@ -1,18 +1,20 @@
 //! The solve stage of a fracture run: history line by line, frames, and a checkpoint after every
 //! step, from which a killed run goes on with the same bits.
 
+use super::checkpoint::Checkpoint;
 use super::folder::{file_error, remove};
+use super::history::{Line, header};
 use super::plan::{Loading, Plan};
 use super::run::{Observer, RunError};
 use super::stamp;
-use super::validate::limits;
-use crate::boundary::Boundary;
+use super::validate::{limits, programme};
 use crate::fracture::control::{self, Ending, Problem, Record};
-use crate::fracture::state::{Energy, Limits, State};
+use crate::fracture::response::Response;
+use crate::fracture::state::{Limits, State};
 use crate::model::Model;
 use crate::output::{partial_name, write_whole};
 use crate::phases::Phases;
-use crate::statics::{Solution, SystemSize, group_reactions};
+use crate::statics::{Solution, Solver, SystemSize, group_reactions};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::io::Write;
@@ -22,55 +24,6 @@ use std::time::Instant;
 pub const HISTORY_FILE: &str = "history.csv";
 const FRAMES_FOLDER: &str = "frames";
 const CHECKPOINT_FILE: &str = ".stamps/checkpoint.bin";
-
-/// One line of `history.csv`: a load step, or an event.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Line {
-    pub step: usize,
-    /// λ [-].
-    pub load_factor: f64,
-    /// Largest prescribed displacement [m].
-    pub grip_displacement: f64,
-    /// Largest resultant on a group with prescribed displacements [N].
-    pub reaction: f64,
-    /// [J].
-    pub elastic_energy: f64,
-    /// [J].
-    pub dissipated_energy: f64,
-    /// [J].
-    pub external_work: f64,
-    pub bonds_broken: usize,
-    pub bonds_broken_total: usize,
-    pub passes: usize,
-    /// Largest relative residual of the step's solves.
-    pub residual: f64,
-    /// Energy that the broken bonds took at their critical stretch, over the energy release rate [m].
-    pub crack_length: f64,
-}
-
-const HEADER: &str = "step,load_factor,grip_displacement_m,reaction_n,elastic_energy_j,\
-                      dissipated_energy_j,external_work_j,bonds_broken,bonds_broken_total,passes,\
-                      residual,crack_length_m";
-
-impl Line {
-    fn csv(&self) -> String {
-        format!(
-            "{},{},{},{},{},{},{},{},{},{},{},{}",
-            self.step,
-            self.load_factor,
-            self.grip_displacement,
-            self.reaction,
-            self.elastic_energy,
-            self.dissipated_energy,
-            self.external_work,
-            self.bonds_broken,
-            self.bonds_broken_total,
-            self.passes,
-            self.residual,
-            self.crack_length
-        )
-    }
-}
 
 /// A moment of the run that is kept whole.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -89,6 +42,8 @@ pub struct Fractured {
     /// Steps that have a frame.
     pub frames: Vec<usize>,
     pub ending: Ending,
+    /// Why there is no solution any more, where the run ended so.
+    pub reason: Option<String>,
     /// The last state.
     pub solution: Solution,
     /// The springs that are intact in it.
@@ -109,61 +64,13 @@ pub(super) fn read_frame(folder: &Path, step: usize) -> Result<Frame, RunError> 
         .map_err(|error| file_error("read", &path, std::io::Error::other(error)))
 }
 
-#[derive(Serialize, Deserialize)]
-struct Checkpoint {
-    /// Hash of what the run is made from.
-    recipe: String,
-    step: usize,
-    load_factor: f64,
-    displacement: Vec<[f64; 2]>,
-    intact: Vec<bool>,
-    fragments: Vec<Vec<usize>>,
-    mechanisms: std::collections::BTreeSet<usize>,
-    energy: [f64; 4],
-    peak_force: f64,
-    just_broken: Vec<(u32, f64)>,
-    /// The last response to λ = 1, displacements apart.
-    reaction: Vec<[f64; 2]>,
-    residual: f64,
-    size: [usize; 3],
-    history: Vec<Line>,
-    frames: Vec<usize>,
-}
-
-impl Checkpoint {
-    fn state(&self) -> State {
-        let [external, elastic, dissipated, force] = self.energy;
-        State {
-            step: self.step,
-            load_factor: self.load_factor,
-            displacement: self.displacement.clone(),
-            intact: self.intact.clone(),
-            fragments: self.fragments.clone(),
-            mechanisms: self.mechanisms.clone(),
-            energy: Energy {
-                external,
-                elastic,
-                dissipated,
-                force,
-            },
-            peak_force: self.peak_force,
-            just_broken: self.just_broken.clone(),
-        }
-    }
-
-    fn unit(&self) -> Solution {
-        let [dofs, stiffness_entries, factor_entries] = self.size;
-        Solution {
-            displacement: Vec::new(),
-            reaction: self.reaction.clone(),
-            residual: self.residual,
-            size: SystemSize {
-                dofs,
-                stiffness_entries,
-                factor_entries,
-            },
-        }
-    }
+/// What the supports did in the last step.
+#[derive(Clone, Debug)]
+pub(super) struct Reactions {
+    /// By node [N].
+    pub reaction: Vec<[f64; 2]>,
+    pub residual: f64,
+    pub size: SystemSize,
 }
 
 /// Runs from the start, or from the checkpoint of an interrupted run of the same recipe.
@@ -172,27 +79,30 @@ impl Checkpoint {
 /// See [`RunError`].
 pub(super) fn run(
     plan: &Plan,
-    loading: Loading,
+    loading: &Loading,
     model: &Model,
-    boundary: &Boundary,
     recipe: &str,
     observer: &mut dyn Observer,
     phases: &mut Phases,
 ) -> Result<Fractured, RunError> {
-    let limits = limits(plan, model);
-    let mut writer = Writer::new(plan, model, boundary, &limits, recipe)?;
-    let (mut state, mut last) = match writer.resume()? {
-        Some((state, unit)) => {
-            observer.warns(&format!(
-                "an interrupted run goes on after step {}",
-                state.step
-            ));
-            (state, Some(unit))
+    let problem = Problem {
+        model,
+        programme: &programme(plan, model)?,
+        limits: &limits(plan, model),
+        control: loading.control,
+        until: loading.until,
+    };
+    let mut writer = Writer::new(plan, &problem, recipe)?;
+    let mut state = match writer.resume()? {
+        Some(state) => {
+            let step = state.step;
+            observer.warns(&format!("an interrupted run goes on after step {step}"));
+            state
         }
         None => {
-            let state = State::new(model, boundary);
+            let state = State::new(model, problem.programme);
             writer.frame(&state)?;
-            (state, None)
+            state
         }
     };
     let lost: usize = state.fragments.iter().map(Vec::len).sum();
@@ -201,53 +111,68 @@ pub(super) fn run(
             "the cracks cut {lost} material points off; they do not move"
         ));
     }
-    let Loading { control, until } = loading;
-    let problem = Problem {
-        model,
-        boundary,
-        limits: &limits,
-        control,
-        until,
-    };
     let start = Instant::now();
     let first = state.step;
-    let ending = control::run(&problem, &mut state, phases, |state, record, unit| {
-        writer.step(state, record, unit)?;
-        last = Some(unit.clone());
+    let ending = control::run(&problem, &mut state, phases, |state, record, response| {
+        writer.step(state, record, response)?;
         let rate = start.elapsed().as_secs_f64() / (state.step - first) as f64;
-        let line = writer
-            .history
-            .last()
-            .expect("the step has just been written");
-        observer.progress(&format!(
-            "step {} of at most {}, λ = {:.4}, {} bonds broken ({} in all), {} passes, at most {:.0} s left",
-            state.step,
-            until.steps,
-            state.load_factor,
-            line.bonds_broken,
-            line.bonds_broken_total,
-            line.passes,
-            rate * (until.steps - state.step) as f64
-        ));
+        observer.progress(&progress(&problem, writer.history.last(), rate));
         Ok::<(), RunError>(())
     })?;
     writer.frame(&state)?;
-    let unit = match last {
-        Some(unit) => unit,
-        // No step was possible.
-        None => control::unit_response(&problem, &mut state, phases)?,
+    if let Some(warning) = nothing_broke(&problem, &state) {
+        observer.warns(&warning);
+    }
+    writer.finish(&state, ending, phases)
+}
+
+/// Where the run is, in a line.
+fn progress(problem: &Problem, line: Option<&Line>, seconds_per_step: f64) -> String {
+    let Some(line) = line else {
+        return String::new();
     };
-    writer.finish(&state, unit, ending)
+    let most = problem.until.steps;
+    let phases = &problem.programme.phases;
+    let phase = match phases.len() {
+        1 => String::new(),
+        _ => format!("{}, ", phases[line.phase].name),
+    };
+    format!(
+        "{phase}step {} of at most {most}, λ = {:.4}, {} bonds broken ({} in all), {} passes, at most {:.0} s left",
+        line.step,
+        line.load_factor,
+        line.bonds_broken,
+        line.bonds_broken_total,
+        line.passes,
+        seconds_per_step * (most - line.step) as f64
+    )
+}
+
+/// A load that could not break a bond, told with what it has reached.
+fn nothing_broke(problem: &Problem, state: &State) -> Option<String> {
+    let Problem { model, limits, .. } = problem;
+    if state.step == 0 || state.broken(model) > 0 {
+        return None;
+    }
+    let (spring, utilisation) = state.most_strained(model, limits)?;
+    let [a, b] = model.springs.segment(spring, &model.positions);
+    let [x, y] = [0, 1].map(|axis| 500.0 * (a[axis] + b[axis]));
+    Some(format!(
+        "no bond has broken: at λ = {:.4} the largest stretch is {:.0} % of its limit, at ({x:.4}, {y:.4}) mm",
+        state.load.factor,
+        100.0 * utilisation
+    ))
 }
 
 /// Puts history, frames and checkpoints on disk.
 struct Writer<'a> {
     plan: &'a Plan,
-    model: &'a Model,
-    boundary: &'a Boundary,
+    problem: &'a Problem<'a>,
     recipe: String,
     history: Vec<Line>,
     frames: Vec<usize>,
+    /// Of the last step.
+    last: Option<Reactions>,
     csv: File,
     csv_path: PathBuf,
     /// Crack length that each spring adds when it breaks [m].
@@ -256,31 +181,22 @@ struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    fn new(
-        plan: &'a Plan,
-        model: &'a Model,
-        boundary: &'a Boundary,
-        limits: &Limits,
-        recipe: &str,
-    ) -> Result<Writer<'a>, RunError> {
+    fn new(plan: &'a Plan, problem: &'a Problem<'a>, recipe: &str) -> Result<Writer<'a>, RunError> {
         let csv_path = plan.folder.join(HISTORY_FILE);
         let csv = File::options().create(true).append(true).open(&csv_path);
         let csv = csv.map_err(|source| file_error("create", &csv_path, source))?;
-        let crack_lengths = crack_lengths(model, limits);
-        let severed = model
-            .intact
-            .iter()
+        let crack_lengths = crack_lengths(problem.model, problem.limits);
+        let severed = (problem.model.intact.iter())
             .zip(&crack_lengths)
             .filter(|(intact, _)| !**intact);
         let initial_length = severed.map(|(_, length)| length).sum();
-        let recipe = stamp::hash(recipe.as_bytes());
         Ok(Writer {
             plan,
-            model,
-            boundary,
-            recipe,
+            problem,
+            recipe: stamp::hash(recipe.as_bytes()),
             history: Vec::new(),
             frames: Vec::new(),
+            last: None,
             csv,
             csv_path,
             crack_lengths,
@@ -288,70 +204,90 @@ impl<'a> Writer<'a> {
         })
     }
 
-    /// State and last response of the checkpoint, if it is of this recipe; history and frames go on
-    /// from there.
-    fn resume(&mut self) -> Result<Option<(State, Solution)>, RunError> {
+    /// The state of the checkpoint, if it is of this recipe; history and frames go on from there.
+    fn resume(&mut self) -> Result<Option<State>, RunError> {
         let bytes = fs::read(self.plan.folder.join(CHECKPOINT_FILE)).unwrap_or_default();
         let stored: Option<Checkpoint> = postcard::from_bytes(&bytes).ok();
         let has_frame = |&step: &usize| self.plan.folder.join(frame_file(step)).is_file();
         let stored = stored.filter(|checkpoint| {
             checkpoint.recipe == self.recipe && checkpoint.frames.iter().all(has_frame)
         });
-        let mut text = format!("{HEADER}\n");
         if let Some(checkpoint) = &stored {
             self.history.clone_from(&checkpoint.history);
             self.frames.clone_from(&checkpoint.frames);
-            self.history
-                .iter()
-                .for_each(|line| text += &format!("{}\n", line.csv()));
+            self.last = Some(checkpoint.last());
         } else {
             forget_frames(&self.plan.folder)?;
             let folder = self.plan.folder.join(FRAMES_FOLDER);
             fs::create_dir_all(&folder).map_err(|source| file_error("create", &folder, source))?;
         }
+        let mut text = header(self.problem.programme.supports()) + "\n";
+        for line in &self.history {
+            text += &(self.csv(line) + "\n");
+        }
         write_whole(&self.csv_path, text.as_bytes())?;
         let csv = File::options().append(true).open(&self.csv_path);
         self.csv = csv.map_err(|source| file_error("write", &self.csv_path, source))?;
-        Ok(stored.map(|checkpoint| (checkpoint.state(), checkpoint.unit())))
+        Ok(stored.map(Checkpoint::into_state))
     }
 
-    fn step(&mut self, state: &State, record: Record, unit: &Solution) -> Result<(), RunError> {
+    fn csv(&self, line: &Line) -> String {
+        line.csv(&self.problem.programme.phases[line.phase].name)
+    }
+
+    fn step(&mut self, state: &State, record: Record, response: &Response) -> Result<(), RunError> {
         let first_break = record.broken > 0 && self.history.iter().all(|l| l.bonds_broken == 0);
-        let line = self.line(state, record, unit);
-        self.history.push(line);
-        writeln!(self.csv, "{}", line.csv())
+        let nodes = 0..state.displacement.len();
+        let last = Reactions {
+            reaction: nodes.map(|node| response.at(state.load, node).1).collect(),
+            residual: response.residual(),
+            size: response.unit.size,
+        };
+        let line = self.line(state, record, &last);
+        writeln!(self.csv, "{}", self.csv(&line))
             .map_err(|source| file_error("write", &self.csv_path, source))?;
+        self.history.push(line);
         if first_break || state.step.is_multiple_of(self.plan.output.every) {
             self.frame(state)?;
         }
-        self.checkpoint(state, unit)
+        let checkpoint = Checkpoint::new(&self.recipe, state, &last, &self.history, &self.frames);
+        self.last = Some(last);
+        let path = self.plan.folder.join(CHECKPOINT_FILE);
+        Ok(write_whole(&path, &encode(&checkpoint))?)
     }
 
-    fn line(&self, state: &State, record: Record, unit: &Solution) -> Line {
-        let prescribed = self.boundary.prescribed.values();
-        let largest = prescribed.map(|(value, _)| value.abs()).fold(0.0, f64::max);
-        let resultants = group_reactions(self.boundary, unit);
-        let resultants = resultants.values().map(|[x, y]| x.hypot(*y));
-        let broken = self
-            .model
-            .intact
-            .iter()
+    fn line(&self, state: &State, record: Record, last: &Reactions) -> Line {
+        let Problem {
+            model, programme, ..
+        } = self.problem;
+        let prescribed = |dof: &&usize| programme.supports().prescribed.contains_key(*dof);
+        let dofs = programme.dofs.iter().zip(&state.surroundings);
+        let moved = dofs.filter(|(dof, _)| prescribed(dof));
+        let reactions = group_reactions(programme.supports(), &last.reaction);
+        let reactions: Vec<[f64; 2]> = reactions.into_values().collect();
+        let broken = (model.intact.iter())
             .zip(&state.intact)
             .zip(&self.crack_lengths);
         let grown = broken.filter(|((before, now), _)| **before && !**now);
         Line {
             step: state.step,
-            load_factor: state.load_factor,
-            grip_displacement: state.load_factor * largest,
-            reaction: state.load_factor * resultants.fold(0.0, f64::max),
+            phase: state.phase,
+            load_factor: state.load.factor,
+            envelope_load_factor: state.envelope,
+            load_share: state.load.share,
+            grip_displacement: moved.map(|(_, [_, u])| u.abs()).fold(0.0, f64::max),
+            reaction: (reactions.iter())
+                .map(|[x, y]| x.hypot(*y))
+                .fold(0.0, f64::max),
             elastic_energy: state.energy.elastic,
             dissipated_energy: state.energy.dissipated,
             external_work: state.energy.external,
             bonds_broken: record.broken,
-            bonds_broken_total: state.broken(self.model),
+            bonds_broken_total: state.broken(model),
             passes: record.passes,
             residual: record.residual,
             crack_length: self.initial_length + grown.map(|(_, length)| length).sum::<f64>(),
+            reactions,
         }
     }
 
@@ -361,7 +297,7 @@ impl<'a> Writer<'a> {
         }
         let frame = Frame {
             step: state.step,
-            load_factor: state.load_factor,
+            load_factor: state.load.factor,
             displacement: state.displacement.clone(),
             intact: state.intact.clone(),
         };
@@ -370,51 +306,35 @@ impl<'a> Writer<'a> {
         Ok(write_whole(&path, &encode(&frame))?)
     }
 
-    fn checkpoint(&self, state: &State, unit: &Solution) -> Result<(), RunError> {
-        let Energy {
-            external,
-            elastic,
-            dissipated,
-            force,
-        } = state.energy;
-        let checkpoint = Checkpoint {
-            recipe: self.recipe.clone(),
-            step: state.step,
-            load_factor: state.load_factor,
-            displacement: state.displacement.clone(),
-            intact: state.intact.clone(),
-            fragments: state.fragments.clone(),
-            mechanisms: state.mechanisms.clone(),
-            energy: [external, elastic, dissipated, force],
-            peak_force: state.peak_force,
-            just_broken: state.just_broken.clone(),
-            reaction: unit.reaction.clone(),
-            residual: unit.residual,
-            size: [
-                unit.size.dofs,
-                unit.size.stiffness_entries,
-                unit.size.factor_entries,
-            ],
-            history: self.history.clone(),
-            frames: self.frames.clone(),
+    fn finish(
+        self,
+        state: &State,
+        ending: Ending,
+        phases: &mut Phases,
+    ) -> Result<Fractured, RunError> {
+        let Problem {
+            model, programme, ..
+        } = self.problem;
+        let last = match self.last {
+            Some(last) => last,
+            // No step was possible.
+            None => Reactions {
+                reaction: vec![[0.0; 2]; model.node_count()],
+                residual: 0.0,
+                size: Solver::new(model, programme.supports(), phases)?.size(),
+            },
         };
-        Ok(write_whole(
-            &self.plan.folder.join(CHECKPOINT_FILE),
-            &encode(&checkpoint),
-        )?)
-    }
-
-    fn finish(self, state: &State, unit: Solution, ending: Ending) -> Result<Fractured, RunError> {
-        let scaled = |r: &[f64; 2]| r.map(|r| state.load_factor * r);
         Ok(Fractured {
             history: self.history,
             frames: self.frames,
             ending,
+            reason: state.stopped.as_ref().map(|(_, reason)| reason.clone()),
             intact: state.intact.clone(),
             solution: Solution {
                 displacement: state.displacement.clone(),
-                reaction: unit.reaction.iter().map(scaled).collect(),
-                ..unit
+                reaction: last.reaction,
+                residual: last.residual,
+                size: last.size,
             },
         })
     }

@@ -1,6 +1,6 @@
 //! The pictures of a run: mesh, displacements, damage, reaction over grip displacement.
 
-use super::fracture::Line;
+use super::history::Line;
 use super::results::{Outcome, ResultsError};
 use super::solved::Course;
 use crate::fem::element::MappedPoint;
@@ -70,15 +70,23 @@ impl Outcome<'_> {
             unit: unit.to_owned(),
         };
         let start = std::iter::once([0.0, 0.0]);
+        let on_envelope = envelope(&course.history);
+        let envelope = (on_envelope.len() < course.history.len()).then(|| Curve {
+            name: "envelope".to_owned(),
+            points: on_envelope.into_iter().map(at).collect(),
+            marks: Vec::new(),
+        });
         Chart {
             title: format!("{}: reaction over {name}", self.plan.name),
             x: axis(name, unit),
             y: axis("reaction", "N"),
-            curves: vec![Curve {
+            curves: std::iter::once(Curve {
                 name: "reaction".to_owned(),
                 points: start.chain(course.history.iter().map(at)).collect(),
                 marks: first.into_iter().chain(last).map(mark).collect(),
-            }],
+            })
+            .chain(envelope)
+            .collect(),
         }
     }
 
@@ -220,4 +228,33 @@ impl Outcome<'_> {
         let [low, high] = self.model.bounds();
         (high[0] - low[0]).max(high[1] - low[1])
     }
+}
+
+/// The outline of a path that turns back and forth: up to the largest load factor what is above all that
+/// went before, from there on what is above all that still comes.
+fn envelope(history: &[Line]) -> Vec<&Line> {
+    let by_load = |a: &&Line, b: &&Line| a.load_factor.total_cmp(&b.load_factor);
+    let phase = history.last().map(|line| line.phase);
+    let lines: Vec<&Line> = history.iter().filter(|l| Some(l.phase) == phase).collect();
+    let Some(peak) = lines.iter().copied().max_by(by_load) else {
+        return Vec::new();
+    };
+    let (before, after): (Vec<&Line>, Vec<&Line>) =
+        lines.into_iter().partition(|line| line.step <= peak.step);
+    let mut envelope = rising(before.into_iter());
+    let mut falling = rising(after.into_iter().rev());
+    falling.reverse();
+    envelope.append(&mut falling);
+    envelope
+}
+
+/// Lines above all that come before them.
+fn rising<'a>(lines: impl Iterator<Item = &'a Line>) -> Vec<&'a Line> {
+    let mut highest = f64::NEG_INFINITY;
+    let higher = |line: &&Line| {
+        let is_higher = line.load_factor > highest;
+        highest = highest.max(line.load_factor);
+        is_higher
+    };
+    lines.filter(higher).collect()
 }

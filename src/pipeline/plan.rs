@@ -58,10 +58,23 @@ pub struct RegionPlan {
 }
 
 /// How the load grows while bonds break.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Loading {
     pub control: Control,
     pub until: Until,
+    /// At least one.
+    pub phases: Vec<PhasePlan>,
+}
+
+/// One phase of the programme.
+#[derive(Clone, Debug)]
+pub struct PhasePlan {
+    /// Empty for the only one.
+    pub name: String,
+    /// Δλ of a load step [-].
+    pub increment: f64,
+    /// λ at its end [-].
+    pub end: Option<f64>,
 }
 
 impl RegionPlan {
@@ -77,6 +90,8 @@ pub struct Condition {
     /// [m].
     pub displacement: Option<[Option<f64>; 2]>,
     pub loads: Vec<EdgeLoad>,
+    /// Index of the phase that applies it; `None`: it is there in all.
+    pub phase: Option<usize>,
 }
 
 /// A displacement to report.

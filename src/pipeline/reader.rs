@@ -1,9 +1,9 @@
 //! The pipeline as written → the plan's numbers; each error carries the key that it concerns.
 
 use super::files::similar_file;
-use super::plan::{Condition, GeometryPlan, Loading, Probe, RegionPlan};
+use super::plan::{Condition, GeometryPlan, Loading, PhasePlan, Probe, RegionPlan};
 use super::quantity::{self, Dimension};
-use super::source::{InputError, Source, choices};
+use super::source::{InputError, Source, choices, quoted};
 use super::spec::{self, Spec};
 use crate::coupling::Coupling;
 use crate::coupling::truss::NodeArea;
@@ -201,6 +201,7 @@ impl Reader<'_> {
             return Err(self.source.error("loading", message, Some(help.to_owned())));
         }
         Ok(Some(Loading {
+            phases: self.phases(written)?,
             control: match written.control {
                 spec::Control::OnePass => Control::OnePass,
                 spec::Control::Equilibrium => Control::Equilibrium {
@@ -213,6 +214,93 @@ impl Reader<'_> {
                 separated: written.until == spec::Until::Separated,
             },
         }))
+    }
+
+    fn phases(&self, loading: &spec::Loading) -> Result<Vec<PhasePlan>, InputError> {
+        let number = |key: &str, written: &Option<spec::Scalar>| {
+            let read = |written| self.positive(key, written, Dimension::NUMBER);
+            written.as_ref().map(read).transpose()
+        };
+        if loading.phases.is_empty() {
+            return Ok(vec![PhasePlan {
+                name: String::new(),
+                increment: number("loading/increment", &loading.increment)?.unwrap_or(1.0),
+                end: number("loading/to", &loading.to)?,
+            }]);
+        }
+        for (key, given) in [("increment", &loading.increment), ("to", &loading.to)] {
+            if given.is_some() {
+                let message = format!("`{key}` belongs to a phase here");
+                let help =
+                    format!("write it into an entry of `phases`: `- {{ name: …, {key}: … }}`");
+                return Err(self
+                    .source
+                    .error(&format!("loading/{key}"), message, Some(help)));
+            }
+        }
+        let read = |(index, phase): (usize, &spec::Phase)| {
+            let key = |field: &str| format!("loading/phases/{index}/{field}");
+            self.check_phase(index, phase)?;
+            Ok(PhasePlan {
+                name: phase.name.clone(),
+                increment: number(&key("increment"), &phase.increment)?.unwrap_or(1.0),
+                end: number(&key("to"), &phase.to)?,
+            })
+        };
+        loading.phases.iter().enumerate().map(read).collect()
+    }
+
+    fn check_phase(&self, index: usize, phase: &spec::Phase) -> Result<(), InputError> {
+        let names = self.phase_names();
+        let is_last = index + 1 == names.len();
+        let of_phase = |b: &&spec::Boundary| b.phase.as_ref() == Some(&phase.name);
+        let (message, help) = if names[..index].contains(&phase.name.as_str()) {
+            (
+                "two phases have this name".to_owned(),
+                "give each a name of its own".to_owned(),
+            )
+        } else if phase.to.is_none() && !is_last {
+            (
+                format!("the phase `{}` has no end", phase.name),
+                "add `to:`, the load factor at which the next phase begins".to_owned(),
+            )
+        } else if self.spec.boundary.iter().filter(of_phase).count() == 0 {
+            (
+                format!("nothing happens in the phase `{}`", phase.name),
+                format!(
+                    "give an entry of `boundary` the line `phase: {}`",
+                    phase.name
+                ),
+            )
+        } else {
+            return Ok(());
+        };
+        let key = format!("loading/phases/{index}/name");
+        Err(self.source.error(&key, message, Some(help)))
+    }
+
+    fn phase_names(&self) -> Vec<&str> {
+        let phases = self.spec.loading.iter().flat_map(|l| &l.phases);
+        phases.map(|phase| phase.name.as_str()).collect()
+    }
+
+    fn phase_of(
+        &self,
+        index: usize,
+        written: &spec::Boundary,
+    ) -> Result<Option<usize>, InputError> {
+        let Some(name) = &written.phase else {
+            return Ok(None);
+        };
+        let names = self.phase_names();
+        let found = names.iter().position(|n| n == name);
+        let unknown = || {
+            let message = format!("there is no phase `{name}` in `loading.phases`");
+            let help = choices(name, names.iter().copied());
+            let key = format!("boundary/{index}/phase");
+            self.source.error(&key, message, Some(help))
+        };
+        found.map(Some).ok_or_else(unknown)
     }
 
     pub(super) fn coupling(&self) -> Result<Coupling, InputError> {
@@ -425,10 +513,29 @@ impl Reader<'_> {
                 .source
                 .error(&format!("boundary/{index}"), message, Some(help)));
         }
+        let phase = self.phase_of(index, written)?;
+        let moves = displacement.iter().flatten().flatten().any(|u| *u != 0.0);
+        let several = self
+            .spec
+            .loading
+            .as_ref()
+            .is_some_and(|l| !l.phases.is_empty());
+        if several && phase.is_none() && (moves || !loads.is_empty()) {
+            let message = format!("what happens at `{}` belongs to no phase", written.group);
+            let names = self.phase_names();
+            let help = format!(
+                "add `phase:` and one of {}; without it only supports, `{{ x: 0, y: 0 }}`, may stand",
+                quoted(&names)
+            );
+            return Err(self
+                .source
+                .error(&format!("boundary/{index}"), message, Some(help)));
+        }
         Ok(Condition {
             group: written.group.clone(),
             displacement,
             loads,
+            phase,
         })
     }
 

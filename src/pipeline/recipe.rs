@@ -33,6 +33,9 @@ pub(super) fn recipe(
         "loading.steps",
         "loading.until",
         "loading.most_passes",
+        "loading.increment",
+        "loading.to",
+        "loading.phases",
         "output.every",
     ];
     let (settings, inputs) = match stage {

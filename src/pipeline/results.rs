@@ -1,6 +1,7 @@
 //! What a run leaves in `results/NAME/`: VTU parts and their PVD, pictures, `summary.json`.
 
-use super::fracture::{Frame, Line, read_frame};
+use super::fracture::{Frame, read_frame};
+use super::history::Line;
 use super::plan::{Plan, Probe};
 use super::run::RunError;
 use super::solved::Solved;
@@ -283,7 +284,7 @@ impl Outcome<'_> {
                 "length_m": i.edges.iter().map(|e| model.edge_length(e)).sum::<f64>(),
             })).collect::<Vec<_>>(),
             "probes": self.plan.probes.iter().map(|p| self.probe(p)).collect::<Vec<_>>(),
-            "reactions_n": group_reactions(self.boundary, &self.solved.solution),
+            "reactions_n": group_reactions(self.boundary, &self.solved.solution.reaction),
             "residual": self.solved.solution.residual,
             "phases": phases.list.iter().map(|phase| json!({
                 "phase": phase.name,
@@ -322,6 +323,12 @@ impl Outcome<'_> {
             "first_break": first.map(point),
             "peak": peak.map(point),
             "end": course.history.last().map(point),
+            "control": self.plan.spec.loading.as_ref().map(|loading| loading.control),
+            "stopped_because": course.reason,
+            "phases": self.plan.loading.as_ref().map(|loading| {
+                loading.phases.iter().map(|phase| &phase.name).collect::<Vec<_>>()
+            }),
+            "envelope_peak": envelope_peak(&course.history),
             "bonds_broken": course.history.last().map_or(0, |line| line.bonds_broken_total),
             "crack_length_m": course.history.last().map(|line| line.crack_length),
             "largest_residual": course.history.iter().map(|l| l.residual).fold(0.0, f64::max),
@@ -363,4 +370,18 @@ impl Outcome<'_> {
             "error": probe.reference.map(|reference| value / reference - 1.0),
         })
     }
+}
+
+/// The largest load of the last phase that stood alone on the path: there, a load that only grows would
+/// have broken the body.
+fn envelope_peak(history: &[Line]) -> Option<Value> {
+    let phase = history.last()?.phase;
+    let lines = history.iter().filter(|line| line.phase == phase);
+    let peak = lines.max_by(|a, b| a.load_factor.total_cmp(&b.load_factor))?;
+    Some(json!({
+        "step": peak.step,
+        "load_factor": peak.load_factor,
+        "grip_displacement_m": peak.grip_displacement,
+        "reaction_n": peak.reaction,
+    }))
 }

@@ -47,6 +47,13 @@ pub enum RunError {
         path: PathBuf,
         source: io::Error,
     },
+    /// What there is has been written.
+    #[error("the run stopped behind step {step}: {reason}")]
+    Stopped {
+        step: u64,
+        reason: String,
+        folder: PathBuf,
+    },
     #[error("another run is writing to {}", .folder.display())]
     Busy { folder: PathBuf },
 }
@@ -55,6 +62,11 @@ impl RunError {
     /// What to do.
     pub fn help(&self) -> Option<String> {
         match self {
+            RunError::Stopped { folder, .. } => Some(format!(
+                "the last good state is in {}: look at the damage there. Smaller load steps, \
+                 `control: event-driven` or a support that holds what comes loose may help",
+                folder.display()
+            )),
             RunError::Busy { .. } => Some("wait until it has ended".to_owned()),
             RunError::File { .. } | RunError::Write(_) => Some(
                 "is there space, and may you write there? `--results FOLDER` chooses another place"
@@ -318,9 +330,9 @@ impl Run<'_> {
         self.lock()?;
         self.observer.starts(Stage::Solve);
         let start = Instant::now();
-        let solved = match self.plan.loading {
+        let solved = match &self.plan.loading {
             None => self.solve_once(model, boundary)?,
-            Some(loading) => self.break_apart(loading, model, boundary, &recipe)?,
+            Some(loading) => self.break_apart(loading, model, &recipe)?,
         };
         let bytes = encode(&StoredSolution::from(&solved));
         let mut files = vec![SOLUTION_FILE.to_owned()];
@@ -352,9 +364,8 @@ impl Run<'_> {
 
     fn break_apart(
         &mut self,
-        loading: Loading,
+        loading: &Loading,
         model: &Model,
-        boundary: &Boundary,
         recipe: &Recipe,
     ) -> Result<Solved, RunError> {
         if self.options.force {
@@ -367,13 +378,13 @@ impl Run<'_> {
             history,
             frames,
             ending,
+            reason,
             solution,
             intact,
         } = fracture::run(
             self.plan,
             loading,
             model,
-            boundary,
             &recipe,
             self.observer,
             &mut self.phases,
@@ -385,6 +396,7 @@ impl Run<'_> {
                 history,
                 frames,
                 ending,
+                reason,
             }),
         })
     }

@@ -1,6 +1,6 @@
 //! What the solve stage delivers, and the form in which it is kept.
 
-use super::fracture::Line;
+use super::history::Line;
 use crate::fracture::control::Ending;
 use crate::statics::{Solution, SystemSize};
 use serde::{Deserialize, Serialize};
@@ -21,6 +21,8 @@ pub struct Course {
     /// Steps that have a frame.
     pub frames: Vec<usize>,
     pub ending: Ending,
+    /// Why there is no solution any more, where the run ended so.
+    pub reason: Option<String>,
 }
 
 /// The solve stage's result, as it is kept.
@@ -41,6 +43,7 @@ pub(super) struct StoredFracture {
     frames: Vec<usize>,
     /// As [`Ending::describe`] has it.
     ending: String,
+    reason: Option<String>,
 }
 
 impl From<&Solved> for StoredSolution {
@@ -54,6 +57,7 @@ impl From<&Solved> for StoredSolution {
             history: course.history.clone(),
             frames: course.frames.clone(),
             ending: course.ending.describe().to_owned(),
+            reason: course.reason.clone(),
         };
         StoredSolution {
             displacement: solved.solution.displacement.clone(),
@@ -79,15 +83,11 @@ impl From<StoredSolution> for Solved {
                 factor_entries,
             },
         };
-        let ending = |name: &str| {
-            Ending::ALL
-                .into_iter()
-                .find(|ending| ending.describe() == name)
-        };
         let course = |stored: StoredFracture| Course {
             history: stored.history,
             frames: stored.frames,
-            ending: ending(&stored.ending).unwrap_or(Ending::StepLimit),
+            ending: Ending::from_description(&stored.ending).unwrap_or(Ending::StepLimit),
+            reason: stored.reason,
         };
         Solved {
             solution,

@@ -199,6 +199,12 @@ fn extent(line: &str) -> usize {
     line.trim_end().len()
 }
 
+/// Names as a list: `a`, `b`.
+pub fn quoted(names: &[&str]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    names.join(", ")
+}
+
 /// The valid choices, and the one that was perhaps meant.
 pub fn choices<'a>(given: &str, valid: impl IntoIterator<Item = &'a str>) -> String {
     let valid: Vec<&str> = valid.into_iter().collect();
@@ -210,11 +216,7 @@ pub fn choices<'a>(given: &str, valid: impl IntoIterator<Item = &'a str>) -> Str
         .map(|name| (strsim::damerau_levenshtein(given, name), name))
         .filter(|(distance, name)| is_close(*distance, name))
         .min();
-    let list = valid
-        .iter()
-        .map(|name| format!("`{name}`"))
-        .collect::<Vec<_>>()
-        .join(", ");
+    let list = quoted(&valid);
     match (closest, valid.len()) {
         (_, 0) => "there are none".to_owned(),
         (Some((_, name)), 1) => format!("did you mean `{name}`? It is the only one"),

@@ -252,6 +252,9 @@ pub struct Boundary {
     pub traction: Option<Components>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Scalar>,
+    /// The phase of `loading.phases` that applies it; absent: a support in all of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase: Option<String>,
 }
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -275,9 +278,31 @@ pub struct Loading {
     /// Under `control: equilibrium`, passes at one load.
     #[serde(default = "most_passes")]
     pub most_passes: usize,
+    /// Δλ of a load step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub increment: Option<Scalar>,
+    /// λ at which the run ends.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub to: Option<Scalar>,
+    /// One after the other; absent: one, of all that `boundary` says.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub phases: Vec<Phase>,
     /// What others found, to be shown beside the result.
     #[serde(default, skip_serializing_if = "ReferenceSteps::is_empty")]
     pub reference: ReferenceSteps,
+}
+
+/// A part of the load that grows by itself while the others rest.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Phase {
+    pub name: String,
+    /// Δλ of a load step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub increment: Option<Scalar>,
+    /// λ at the phase's end; only the last phase may do without.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub to: Option<Scalar>,
 }
 
 /// Steps that another source reports.

@@ -25,7 +25,8 @@ impl Stage {
     /// Raised whenever the stage's results change for the same input.
     fn version(self) -> u32 {
         match self {
-            Stage::Mesh | Stage::Solve | Stage::Output => 1,
+            Stage::Mesh => 1,
+            Stage::Solve | Stage::Output => 2,
         }
     }
 

@@ -1,11 +1,12 @@
 //! A plan and a mesh to the discretisation; what does not fit is told at its key in the pipeline.
 
-use super::plan::{Plan, Probe};
-use super::source::{InputError, choices};
+use super::plan::{Condition, Plan, Probe};
+use super::source::{InputError, choices, quoted};
 use crate::boundary::{Boundary, BoundaryError};
 use crate::coupling::splice::SpliceError;
 use crate::cracks::Cracks;
 use crate::fracture::failure::CriticalStretch;
+use crate::fracture::programme::{LoadPhase, Programme};
 use crate::fracture::state::Limits;
 use crate::geometry::Outline;
 use crate::mesh::Mesh;
@@ -23,13 +24,48 @@ pub fn discretise(plan: &Plan, mesh: Mesh) -> Result<(Model, Boundary), InputErr
     check_no_fail(plan, &mesh)?;
     let model = Model::build(mesh, regions, plan.model).map_err(|e| model_error(plan, &e))?;
     let model = model.with_cracks(&cracks);
-    let mut boundary = Boundary::new(&model);
-    for (index, condition) in plan.conditions.iter().enumerate() {
-        apply(&mut boundary, &model, condition).map_err(|e| boundary_error(plan, index, &e))?;
-    }
+    let boundary = programme(plan, &model)?.phases.swap_remove(0).boundary;
     support::check(&model, &boundary).map_err(|error| not_held(plan, &model, &error))?;
     check_probes(plan, &model)?;
     Ok((model, boundary))
+}
+
+/// What the body is loaded with.
+///
+/// # Errors
+/// A condition that does not fit the mesh, or another condition.
+pub fn programme(plan: &Plan, model: &Model) -> Result<Programme, InputError> {
+    let Some(loading) = &plan.loading else {
+        return Ok(Programme::proportional(boundary(plan, model, 0)?));
+    };
+    let phase = |(index, phase): (usize, &super::plan::PhasePlan)| {
+        Ok(LoadPhase {
+            name: phase.name.clone(),
+            boundary: boundary(plan, model, index)?,
+            increment: phase.increment,
+            end: phase.end,
+        })
+    };
+    let phases: Result<Vec<LoadPhase>, InputError> =
+        loading.phases.iter().enumerate().map(phase).collect();
+    Ok(Programme::new(phases?))
+}
+
+/// The conditions of one phase; what the other phases move is held.
+fn boundary(plan: &Plan, model: &Model, phase: usize) -> Result<Boundary, InputError> {
+    let mut boundary = Boundary::new(model);
+    let fail = |index: usize, error: BoundaryError| boundary_error(plan, index, &error);
+    let conditions = || plan.conditions.iter().enumerate();
+    let is_own = |condition: &Condition| condition.phase.is_none_or(|p| p == phase);
+    for (index, condition) in conditions().filter(|(_, c)| is_own(c)) {
+        apply(&mut boundary, model, condition).map_err(|e| fail(index, e))?;
+    }
+    for (index, condition) in conditions().filter(|(_, c)| !is_own(c)) {
+        let components = condition.displacement.unwrap_or_default();
+        let held = boundary.hold(model, &condition.group, components.map(|u| u.is_some()));
+        held.map_err(|e| fail(index, e))?;
+    }
+    Ok(boundary)
 }
 
 fn not_held(plan: &Plan, model: &Model, error: &NotHeld) -> InputError {
@@ -40,17 +76,14 @@ fn not_held(plan: &Plan, model: &Model, error: &NotHeld) -> InputError {
     let help = format!(
         "prescribe a displacement that prevents it. Displacements are prescribed on {}; groups of \
          the mesh: {}",
-        quoted(holding.map(|condition| condition.group.as_str())),
-        quoted(boundary_groups(&model.mesh))
+        quoted(
+            &holding
+                .map(|condition| condition.group.as_str())
+                .collect::<Vec<_>>()
+        ),
+        quoted(&boundary_groups(&model.mesh).collect::<Vec<_>>())
     );
     plan.source.error("boundary", error.to_string(), Some(help))
-}
-
-fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    names
-        .map(|name| format!("`{name}`"))
-        .collect::<Vec<_>>()
-        .join(", ")
 }
 
 /// A probe reads the nearest node, which tells nothing where the body is not.
@@ -83,7 +116,7 @@ const PROBE_SLACK: f64 = 1e-6;
 fn apply(
     boundary: &mut Boundary,
     model: &Model,
-    condition: &super::plan::Condition,
+    condition: &Condition,
 ) -> Result<(), BoundaryError> {
     if let Some(components) = condition.displacement {
         boundary.displace(model, &condition.group, components)?;

@@ -1,0 +1,156 @@
+//! What a killed run goes on from: the state behind its last step, as it is kept.
+
+use super::fracture::Reactions;
+use super::history::Line;
+use crate::fracture::control::Ending;
+use crate::fracture::response::Load;
+use crate::fracture::state::{Energy, LoadForce, State};
+use crate::statics::SystemSize;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct Checkpoint {
+    /// Hash of what the run is made from.
+    pub recipe: String,
+    state: StoredState,
+    /// Reactions and residual of the last step, and the size of its system.
+    reaction: Vec<[f64; 2]>,
+    residual: f64,
+    size: [usize; 3],
+    pub history: Vec<Line>,
+    pub frames: Vec<usize>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct StoredState {
+    step: usize,
+    phase: usize,
+    phase_start: usize,
+    load: [f64; 2],
+    envelope: f64,
+    displacement: Vec<[f64; 2]>,
+    intact: Vec<bool>,
+    fragments: Vec<Vec<usize>>,
+    load_lost: bool,
+    mechanisms: BTreeSet<usize>,
+    /// [`Ending::describe`], and the reason.
+    stopped: Option<(String, String)>,
+    energy: [f64; 3],
+    force: ([f64; 4], bool),
+    surroundings: Vec<[f64; 2]>,
+    just_broken: Vec<(u32, f64)>,
+}
+
+impl Checkpoint {
+    pub fn new(
+        recipe: &str,
+        state: &State,
+        last: &Reactions,
+        history: &[Line],
+        frames: &[usize],
+    ) -> Checkpoint {
+        let SystemSize {
+            dofs,
+            stiffness_entries,
+            factor_entries,
+        } = last.size;
+        Checkpoint {
+            recipe: recipe.to_owned(),
+            state: StoredState::from(state),
+            reaction: last.reaction.clone(),
+            residual: last.residual,
+            size: [dofs, stiffness_entries, factor_entries],
+            history: history.to_vec(),
+            frames: frames.to_vec(),
+        }
+    }
+
+    pub fn last(&self) -> Reactions {
+        let [dofs, stiffness_entries, factor_entries] = self.size;
+        Reactions {
+            reaction: self.reaction.clone(),
+            residual: self.residual,
+            size: SystemSize {
+                dofs,
+                stiffness_entries,
+                factor_entries,
+            },
+        }
+    }
+
+    pub fn into_state(self) -> State {
+        self.state.into()
+    }
+}
+
+impl From<&State> for StoredState {
+    fn from(state: &State) -> StoredState {
+        let Energy {
+            external,
+            elastic,
+            dissipated,
+        } = state.energy;
+        let LoadForce {
+            now,
+            peak,
+            stiffness: [first, last],
+            is_on_top,
+        } = state.force;
+        StoredState {
+            step: state.step,
+            phase: state.phase,
+            phase_start: state.phase_start,
+            load: [state.load.share, state.load.factor],
+            envelope: state.envelope,
+            displacement: state.displacement.clone(),
+            intact: state.intact.clone(),
+            fragments: state.fragments.clone(),
+            load_lost: state.load_lost,
+            mechanisms: state.mechanisms.clone(),
+            stopped: (state.stopped.as_ref())
+                .map(|(ending, reason)| (ending.describe().to_owned(), reason.clone())),
+            energy: [external, elastic, dissipated],
+            force: ([now, peak, first, last], is_on_top),
+            surroundings: state.surroundings.clone(),
+            just_broken: state.just_broken.clone(),
+        }
+    }
+}
+
+impl From<StoredState> for State {
+    fn from(stored: StoredState) -> State {
+        let [external, elastic, dissipated] = stored.energy;
+        let ([now, peak, first, last], is_on_top) = stored.force;
+        State {
+            step: stored.step,
+            phase: stored.phase,
+            phase_start: stored.phase_start,
+            load: Load {
+                share: stored.load[0],
+                factor: stored.load[1],
+            },
+            envelope: stored.envelope,
+            displacement: stored.displacement,
+            intact: stored.intact,
+            fragments: stored.fragments,
+            load_lost: stored.load_lost,
+            mechanisms: stored.mechanisms,
+            stopped: (stored.stopped)
+                .and_then(|(name, reason)| Some((Ending::from_description(&name)?, reason))),
+            energy: Energy {
+                external,
+                elastic,
+                dissipated,
+            },
+            force: LoadForce {
+                now,
+                peak,
+                stiffness: [first, last],
+                is_on_top,
+            },
+            surroundings: stored.surroundings,
+            just_broken: stored.just_broken,
+        }
+    }
+}

@@ -62,6 +62,8 @@
 //! | g(r), r | kernel, ξ/δ | – |
 //! | c, c0 | micromodulus, per unit thickness | N/m⁵ |
 //! | M2 | ∫₀^δ g ξ² dξ | m³ |
+//! | a, b | coefficients of the isotropised micromodulus c (a + b cos 4φ) | – |
+//! | λ_ij, β_ij | factor of a bond near a free surface | – |
 //! | k | axial stiffness of a bond or truss | N/m |
 //! | E, ν | Young's modulus, Poisson's ratio | Pa, – |
 //! | D | elasticity matrix, Voigt order xx, yy, xy | Pa |
@@ -86,6 +88,12 @@
 //!   fracture analysis. Engineering Fracture Mechanics 141, 196–211. The kernel of eq. (9).
 //! - Hu W., Ha Y. D., Bobaru F. (2010). Numerical integration in peridynamics. Technical report,
 //!   University of Nebraska–Lincoln. The partial area HHB.
+//! - Madenci E., Oterkus E. (2014). Peridynamic Theory and Its Applications. Springer. Surface
+//!   correction by two uniaxial strains.
+//! - Le Q. V., Bobaru F. (2018). Surface corrections for peridynamic models in elasticity and fracture.
+//!   Computational Mechanics 61, 499–518.
+//! - Prakash N. (2019). Calibrating bond-based peridynamic parameters using a novel least squares
+//!   approach. Journal of Peridynamics and Nonlocal Modeling 1, 45–55.
 //!
 //! Fracture:
 //! - DeJong M. J., Hendriks M. A. N., Rots J. G. (2008). Sequentially linear analysis of fracture under

@@ -94,8 +94,17 @@ impl Sites {
         let shares = match settings.cell_area {
             CellArea::Full => kept.iter().map(|&k| f64::from(u8::from(k))).collect(),
             CellArea::Clipped => {
+                // Rounding leaves slivers outside, which a whole cell takes up.
+                let share = |area: f64| {
+                    let share = area / whole;
+                    if (share - 1.0).abs() < WHOLE_CELL {
+                        1.0
+                    } else {
+                        share
+                    }
+                };
                 let areas = grid.clipped_areas(body, &[], &kept);
-                areas.iter().map(|area| area / whole).collect()
+                areas.into_iter().map(share).collect()
             }
         };
         Sites { grid, shares }

@@ -300,7 +300,7 @@ fn model_error(plan: &Plan, error: &ModelError) -> InputError {
         ModelError::Splice { region, source } => (key(region), splice_help(source).to_owned()),
         ModelError::Surface { region, .. } => (
             key(region).replace("group", "surface_correction"),
-            "write `surface_correction: force`, or make the region larger than its horizon".to_owned(),
+            "write `surface_correction: force`".to_owned(),
         ),
         ModelError::TooManyPoints { region, .. } => {
             (spacing(region), "choose a larger `spacing`, and look at its unit".to_owned())

@@ -252,7 +252,10 @@ fn own_shares(model: &Model, group: &str) -> BTreeMap<usize, f64> {
     let unit = EdgeLoad::Traction([1.0, 0.0]);
     let mut integrals: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
     let beside = on_points.iter().flat_map(|(_, edges)| edges);
-    let edges = on_elements.iter().map(|e| (0, e)).chain(beside.map(|e| (1, e)));
+    let edges = on_elements
+        .iter()
+        .map(|e| (0, e))
+        .chain(beside.map(|e| (1, e)));
     for (side, edge) in edges {
         for (node, [integral, _]) in consistent_load(edge, &model.mesh.nodes, unit, 1.0) {
             if let Some(node) = model.node_of[node] {
@@ -260,8 +263,12 @@ fn own_shares(model: &Model, group: &str) -> BTreeMap<usize, f64> {
             }
         }
     }
-    let shared = integrals.into_iter().filter(|(_, [_, beside])| *beside != 0.0);
-    shared.map(|(node, [own, beside])| (node, own / (own + beside))).collect()
+    let shared = integrals
+        .into_iter()
+        .filter(|(_, [_, beside])| *beside != 0.0);
+    shared
+        .map(|(node, [own, beside])| (node, own / (own + beside)))
+        .collect()
 }
 
 /// The nodes that a physical curve or point stands for, ascending.
@@ -293,7 +300,10 @@ pub fn nodes_of(model: &Model, group: &str) -> Vec<usize> {
 /// The finite-element node at a mesh node, or the nearest material point within half a diagonal of
 /// its square.
 fn node_at(model: &Model, mesh_node: usize) -> Option<usize> {
-    let inner = model.splice.as_ref().map_or(&[][..], |splice| &splice.inner);
+    let inner = model
+        .splice
+        .as_ref()
+        .map_or(&[][..], |splice| &splice.inner);
     if let (Some(node), Err(_)) = (model.node_of[mesh_node], inner.binary_search(&mesh_node)) {
         return Some(node as usize);
     }

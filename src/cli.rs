@@ -279,7 +279,11 @@ fn check(plan: &Plan) -> Result<(), RunError> {
     );
     println!("  material points   {}", model.areas.len());
     let (ties, what) = model.ties();
-    println!("  {:<18}{}, {ties}", format!("bonds, {what}"), model.bond_count);
+    println!(
+        "  {:<18}{}, {ties}",
+        format!("bonds, {what}"),
+        model.bond_count
+    );
     for interface in &model.interfaces {
         println!(
             "  interface         `{}` to `{}`: {} edges",

@@ -162,10 +162,7 @@ pub enum ModelError {
         limit: f64,
     },
     #[error("region `{region}` cannot be spliced: {source}")]
-    Splice {
-        region: String,
-        source: SpliceError,
-    },
+    Splice { region: String, source: SpliceError },
     #[error("the surface correction of region `{region}` fails: {source}")]
     Surface {
         region: String,
@@ -345,8 +342,10 @@ impl Model {
             let outline = Outline::of_cells(&self.mesh, &region.cells);
             check_count(region, &outline, settings.lattice.spacing)?;
             let interface = self.interface_segments(index);
-            let Lattice { positions, mut areas } =
-                lattice(&outline, &interface, &settings.lattice);
+            let Lattice {
+                positions,
+                mut areas,
+            } = lattice(&outline, &interface, &settings.lattice);
             if self.splice.is_some() && !interface.is_empty() {
                 // The lattice goes on behind the interface: it cuts no cell.
                 let sites = self.sites(&outline, &settings);

@@ -364,7 +364,12 @@ impl System {
         }
         Case {
             prescribed,
-            load: boundary.load.iter().zip(&boundary.overlap_load).map(|(a, b)| a + b).collect(),
+            load: boundary
+                .load
+                .iter()
+                .zip(&boundary.overlap_load)
+                .map(|(a, b)| a + b)
+                .collect(),
             own_share: &boundary.own_share,
         }
     }

@@ -206,7 +206,10 @@ impl Column<'_> {
         let stiffness = springs.stiffness[spring];
         springs.for_each_term(spring, positions, |node, w| {
             if node >= first_point {
-                self.add_block(node, w.map(|row| own.map(|column| stiffness * row * column)));
+                self.add_block(
+                    node,
+                    w.map(|row| own.map(|column| stiffness * row * column)),
+                );
             }
         });
     }

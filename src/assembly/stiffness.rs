@@ -104,7 +104,13 @@ mod tests {
     /// [[4, 1, 0], [1, 3, 2], [0, 2, 5]] in both forms.
     #[test]
     fn both_forms_of_one_matrix_multiply_and_hold_alike() {
-        let entries = [(0, 0, 4.0), (1, 0, 1.0), (1, 1, 3.0), (2, 1, 2.0), (2, 2, 5.0)];
+        let entries = [
+            (0, 0, 4.0),
+            (1, 0, 1.0),
+            (1, 1, 3.0),
+            (2, 1, 2.0),
+            (2, 2, 5.0),
+        ];
         let lower = entries.map(|(i, j, value)| Triplet::new(i, j, value));
         let upper = entries.iter().filter(|(i, j, _)| i != j);
         let upper = upper.map(|&(i, j, value)| Triplet::new(j, i, value));

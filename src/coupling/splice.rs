@@ -112,12 +112,7 @@ impl Overlap {
     }
 
     /// Elements from one interface to the opposite one would carry the load past the points.
-    fn check(
-        &self,
-        mesh: &Mesh,
-        interface: &[Segment],
-        spacing: f64,
-    ) -> Result<(), SpliceError> {
+    fn check(&self, mesh: &Mesh, interface: &[Segment], spacing: f64) -> Result<(), SpliceError> {
         let is_slave = |node: &&usize| self.slaves.binary_search(node).is_ok();
         for &cell in &self.cells {
             let solved: Vec<usize> = {
@@ -130,7 +125,10 @@ impl Overlap {
                 .map(|&node| nearest_normals(mesh.nodes[node], interface, spacing))
                 .collect();
             for (k, first) in normals.iter().enumerate() {
-                if normals[..k].iter().any(|second| are_opposite(first, second)) {
+                if normals[..k]
+                    .iter()
+                    .any(|second| are_opposite(first, second))
+                {
                     return Err(SpliceError::Bridged { x, y });
                 }
             }
@@ -153,7 +151,9 @@ fn distance(x: [f64; 2], segments: &[Segment]) -> f64 {
 /// Normals of the sides of the interface that are nearest to a point.
 fn nearest_normals(x: [f64; 2], interface: &[Segment], spacing: f64) -> Vec<[f64; 2]> {
     let least = distance(x, interface) + SAME_DEPTH * spacing;
-    let near = interface.iter().filter(|&&s| nearest_on_segment(x, s).1 <= least);
+    let near = interface
+        .iter()
+        .filter(|&&s| nearest_on_segment(x, s).1 <= least);
     near.map(|[a, b]| {
         let along = [b[0] - a[0], b[1] - a[1]];
         let length = along[0].hypot(along[1]);
@@ -222,7 +222,11 @@ impl SplicedLattice {
     pub fn interpolate(&self, x: [f64; 2]) -> Result<Vec<(u32, f64)>, SpliceError> {
         let at = self.sites.coordinates(x).map(|c| {
             let whole = c.round();
-            if (c - whole).abs() < ROUNDING { whole } else { c }
+            if (c - whole).abs() < ROUNDING {
+                whole
+            } else {
+                c
+            }
         });
         let first = at.map(|c| c.floor() as i64 - 1);
         let near = -BLOCK_REACH..=BLOCK_REACH;
@@ -338,7 +342,11 @@ pub fn ghost_bonds(
             let ghost = lattice.sites.position(other);
             let held = *found[other].get_or_insert_with(|| {
                 // Off the body, whatever the slack of the elements.
-                if share > 0.0 { elements.locate(ghost) } else { None }
+                if share > 0.0 {
+                    elements.locate(ghost)
+                } else {
+                    None
+                }
             });
             match held {
                 Some(held) => bonds.push(GhostBond {
@@ -386,7 +394,8 @@ mod tests {
     #[test]
     fn slaves_follow_every_cubic() {
         let lattice = lattice(6, 5);
-        let cubic = |[x, y]: [f64; 2]| 1.0 + x - 2.0 * y + 3.0 * x * x * y - x * y * y * x + y.powi(3);
+        let cubic =
+            |[x, y]: [f64; 2]| 1.0 + x - 2.0 * y + 3.0 * x * x * y - x * y * y * x + y.powi(3);
         for x in [[0.31, 0.22], [0.0, 0.5], [0.6, 0.0], [0.25, 0.13]] {
             let weights = lattice.interpolate(x).expect("a block");
             let at = |node: u32| {
@@ -410,7 +419,10 @@ mod tests {
         for &(node, w) in &left {
             let (column, row) = ((node - 7) % 8, (node - 7) / 8);
             let mirrored = 7 + row * 8 + 7 - column;
-            let other = right.iter().find(|&&(n, _)| n == mirrored).expect("its image");
+            let other = right
+                .iter()
+                .find(|&&(n, _)| n == mirrored)
+                .expect("its image");
             assert!((w - other.1).abs() < 1e-15);
         }
     }

@@ -39,7 +39,9 @@ impl Locator {
     /// Kinds and nodes' coordinates [m] of the elements to search.
     pub fn new(elements: Vec<(CellKind, Vec<[f64; 2]>)>) -> Locator {
         let boxes: Vec<_> = elements.iter().map(|(_, x)| bounds(x)).collect();
-        let widths = boxes.iter().map(|[low, high]| (high[0] - low[0]).max(high[1] - low[1]));
+        let widths = boxes
+            .iter()
+            .map(|[low, high]| (high[0] - low[0]).max(high[1] - low[1]));
         let side = widths.sum::<f64>() / boxes.len().max(1) as f64;
         let mut locator = Locator {
             elements,

@@ -111,7 +111,10 @@ impl Symbolic {
     fn numeric(&self, matrix: &FullMatrix) -> Result<Factor, SolverError> {
         let n = matrix.ncols();
         let out_of_memory = || SolverError::OutOfMemory { dofs: n };
-        let transpose = matrix.transpose().to_col_major().map_err(|_| out_of_memory())?;
+        let transpose = matrix
+            .transpose()
+            .to_col_major()
+            .map_err(|_| out_of_memory())?;
         let params = Default::default();
         let scratch = factorize_supernodal_numeric_lu_scratch::<u32, f64>(&self.structure, params);
         let mut memory = MemBuffer::try_new(scratch).map_err(|_| out_of_memory())?;

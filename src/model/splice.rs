@@ -45,9 +45,8 @@ impl Model {
             }
             let spacing = settings.lattice.spacing;
             let is_solved = |node: usize| self.node_of[node].is_some();
-            let overlap =
-                Overlap::new(&self.mesh, &region.cells, is_solved, &interface, spacing)
-                    .map_err(|error| self.splice_error(index, error))?;
+            let overlap = Overlap::new(&self.mesh, &region.cells, is_solved, &interface, spacing)
+                .map_err(|error| self.splice_error(index, error))?;
             for &cell in &overlap.cells {
                 super::check_jacobian(&self.mesh, region, cell)?;
             }
@@ -87,12 +86,18 @@ impl Model {
                 points.nodes.start as u32,
             );
             let cells: BTreeSet<usize> = {
-                let own = splice.overlap.iter().filter(|(region, _)| *region == points.region);
-                own.flat_map(|&(_, cell)| self.mesh.cells[cell].nodes().to_vec()).collect()
+                let own = splice
+                    .overlap
+                    .iter()
+                    .filter(|(region, _)| *region == points.region);
+                own.flat_map(|&(_, cell)| self.mesh.cells[cell].nodes().to_vec())
+                    .collect()
             };
             for (node, weights) in &mut splice.slaves {
                 if cells.contains(node) {
-                    *weights = lattice.interpolate(self.mesh.nodes[*node]).map_err(failed)?;
+                    *weights = lattice
+                        .interpolate(self.mesh.nodes[*node])
+                        .map_err(failed)?;
                 }
             }
             let free = self.free_segments(points);
@@ -161,9 +166,13 @@ impl Model {
 
     /// The sides of a region that bound the body.
     fn free_segments(&self, points: &PointRegion) -> Vec<Segment> {
-        let interfaces = self.interfaces.iter().filter(|i| i.peridynamics == points.region);
-        let shared: BTreeSet<[usize; 2]> =
-            interfaces.flat_map(|i| i.edges.iter().map(Edge::key)).collect();
+        let interfaces = self
+            .interfaces
+            .iter()
+            .filter(|i| i.peridynamics == points.region);
+        let shared: BTreeSet<[usize; 2]> = interfaces
+            .flat_map(|i| i.edges.iter().map(Edge::key))
+            .collect();
         let edges = self.mesh.outline(&self.regions[points.region].cells);
         let free = edges.iter().filter(|edge| !shared.contains(&edge.key()));
         free.flat_map(|edge| {
@@ -178,7 +187,9 @@ impl Model {
     /// overlap in which slaves are expressed by material points.
     pub fn equations(&self, splice: &Splice) -> Vec<Equations> {
         let elements = self.elements.par_iter().chain(&splice.overlap);
-        elements.map(|&(region, cell)| self.equations_of(splice, region, cell)).collect()
+        elements
+            .map(|&(region, cell)| self.equations_of(splice, region, cell))
+            .collect()
     }
 
     fn equations_of(&self, splice: &Splice, region: usize, cell: usize) -> Equations {
@@ -187,7 +198,9 @@ impl Model {
         let stiffness = element::stiffness(
             self.mesh.cells[cell].kind,
             &coordinates,
-            &self.regions[region].material.elasticity(self.settings.plane),
+            &self.regions[region]
+                .material
+                .elasticity(self.settings.plane),
             self.settings.thickness,
         );
         let solved = |k: usize| self.node_of[nodes[k]];
@@ -239,7 +252,10 @@ impl Model {
 
     /// Area of a ghost [m²].
     pub fn ghost_area(&self, bond: &GhostBond) -> f64 {
-        let points = self.points.iter().find(|p| p.nodes.contains(&(bond.point as usize)));
+        let points = self
+            .points
+            .iter()
+            .find(|p| p.nodes.contains(&(bond.point as usize)));
         points.map_or(0.0, |p| bond.share * p.micromodulus.spacing.powi(2))
     }
 

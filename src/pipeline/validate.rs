@@ -319,9 +319,7 @@ fn splice_help(error: &SpliceError) -> &'static str {
             "mesh the region with smaller elements: two or more nodes between opposite interfaces must \
              be 2 spacings or farther from both"
         }
-        SpliceError::NoBlock { .. } => {
-            "choose a smaller `spacing`, or make the region wider"
-        }
+        SpliceError::NoBlock { .. } => "choose a smaller `spacing`, or make the region wider",
     }
 }
 

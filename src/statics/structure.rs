@@ -32,9 +32,8 @@ impl Structure {
         let nodes = model.node_count();
         let Some(splice) = &model.splice else {
             let elements = phases.measure("elements", || model.element_stiffness());
-            let pattern = phases.measure("pattern", || {
-                Pattern::new(nodes, &model.springs, &elements)
-            });
+            let pattern =
+                phases.measure("pattern", || Pattern::new(nodes, &model.springs, &elements));
             let order = phases.measure("ordering", || order(&pattern.graph))?;
             let symbolic = phases.measure("symbolic", || {
                 cholesky::Symbolic::with_order(pattern.symbolic(), Some(&order))

@@ -3,10 +3,13 @@
 //! Nodes are the finite-element nodes in the mesh's order, then the material points, region by
 //! region. Immutable once built.
 
+mod splice;
+
 use crate::assembly::ElementStiffness;
 use crate::coupling::Coupling;
 use crate::coupling::clip::side::Side;
-use crate::coupling::clip::{self, clip};
+use crate::coupling::clip::{self, FamilyShare, clip};
+use crate::coupling::splice::SpliceError;
 use crate::coupling::truss::{InterfaceNode, NodeArea, trusses};
 use crate::cracks::Cracks;
 use crate::fem::element;
@@ -25,6 +28,8 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 use thiserror::Error;
+
+pub use splice::Splice;
 
 /// A part of the body: which cells of the mesh, what material, which method.
 #[derive(Clone, Debug)]
@@ -124,6 +129,10 @@ pub struct Model {
     /// Bonds first, then trusses, then what else a coupling adds.
     pub springs: Springs,
     pub bond_count: usize,
+    /// What clipped bonds are of the points' families.
+    pub clipped: Vec<FamilyShare>,
+    /// What the splice adds; `None` without an interface, or with another coupling.
+    pub splice: Option<Splice>,
     /// Whether each spring is there at the start: false where it meets an initial crack.
     pub intact: Vec<bool>,
 }
@@ -159,6 +168,8 @@ pub enum ModelError {
         points: f64,
         limit: f64,
     },
+    #[error("region `{region}` cannot be spliced: {source}")]
+    Splice { region: String, source: SpliceError },
     #[error("the surface correction of region `{region}` fails: {source}")]
     Surface {
         region: String,
@@ -190,14 +201,19 @@ impl Model {
             points: Vec::new(),
             springs: Springs::default(),
             bond_count: 0,
+            clipped: Vec::new(),
+            splice: None,
             intact: Vec::new(),
             mesh,
             regions,
         };
         model.add_finite_elements()?;
         model.add_material_points()?;
-        if let Coupling::Truss(node_area) = model.settings.coupling {
-            model.add_trusses(node_area);
+        match settings.coupling {
+            Coupling::Truss(node_area) => model.add_trusses(node_area),
+            // The bonds were clipped where they were made.
+            Coupling::Clip => {}
+            Coupling::Splice => model.add_splice()?,
         }
         model.intact = vec![true; model.springs.len()];
         Ok(model)
@@ -289,6 +305,21 @@ impl Model {
             .map(|p| p.region)
     }
 
+    /// How many springs tie finite elements to material points, and what they are called.
+    pub fn ties(&self) -> (usize, &'static str) {
+        let what = match self.settings.coupling {
+            Coupling::Truss(_) => "trusses",
+            Coupling::Clip => "clipped bonds",
+            Coupling::Splice => "ghost bonds",
+        };
+        (self.springs.len() - self.bond_count, what)
+    }
+
+    /// Whether a spring is a truss of the paper's coupling.
+    pub fn is_truss(&self, spring: usize) -> bool {
+        (self.bond_count..self.springs.pairs().len()).contains(&spring)
+    }
+
     /// The region whose material points a spring acts on; `None` between finite elements.
     pub fn region_of_spring(&self, spring: usize) -> Option<usize> {
         let mut nodes = self.springs.nodes(spring).iter();
@@ -321,6 +352,9 @@ impl Model {
                 }
             }
         }
+        if self.settings.coupling == Coupling::Splice {
+            self.add_overlap()?;
+        }
         for (mesh_node, node) in self.node_of.iter_mut().enumerate() {
             if node.is_some() {
                 *node = Some(self.positions.len() as u32);
@@ -341,7 +375,15 @@ impl Model {
             let axes = settings.lattice.axes();
             let turned = axes.outline(&outline);
             check_count(region, &turned, settings.lattice.spacing)?;
-            let lattice = self.lattice(index, &turned, &settings.lattice);
+            let mut lattice = self.lattice(index, &turned, &settings.lattice);
+            if self.splice.is_some() && !self.interface_segments(index).is_empty() {
+                // The lattice goes on behind the interface: it cuts no cell.
+                let sites = self.sites(&outline, &settings);
+                let dx = settings.lattice.spacing;
+                let positions = lattice.positions.iter();
+                let shares = positions.map(|&x| sites.shares[sites.nearest(x)]);
+                lattice.areas = shares.map(|share| share * dx * dx).collect();
+            }
             if lattice.positions.is_empty() {
                 return Err(ModelError::NoMaterialPoint {
                     region: region.name.clone(),
@@ -375,6 +417,12 @@ impl Model {
                     let pair = pair.map(|node| node - first);
                     clipped.replaced.binary_search(&pair).is_err()
                 });
+                let before = self.springs.len() - self.springs.pairs().len();
+                self.clipped
+                    .extend(clipped.shares.iter().map(|share| FamilyShare {
+                        spring: before as u32 + share.spring,
+                        ..*share
+                    }));
                 bonds.append(clipped.springs);
             }
             let positions: Vec<[f64; 2]> = positions.iter().map(|&x| axes.global(x)).collect();
@@ -399,7 +447,7 @@ impl Model {
         let axes = settings.axes();
         let segments = self.interface_segments(region).into_iter();
         let interface: Vec<_> = segments.map(|s| s.map(|x| axes.local(x))).collect();
-        let body = axes.outline(&self.body());
+        let body = axes.outline(&self.body_outline());
         let is_clip = self.settings.coupling == Coupling::Clip;
         let neighbourhood = Neighbourhood {
             interface: &interface,
@@ -411,13 +459,6 @@ impl Model {
             body: is_clip.then_some(&body),
         };
         lattice_beside(turned, &neighbourhood, &settings.along_axes())
-    }
-
-    /// The outline of all regions together.
-    fn body(&self) -> Outline {
-        let mut cells: Vec<usize> = self.regions.iter().flat_map(|r| r.cells.clone()).collect();
-        cells.sort_unstable();
-        Outline::of_cells(&self.mesh, &cells)
     }
 
     /// The sides of a region's outline, with the region on the left, along the lattice's axes.
@@ -457,7 +498,7 @@ impl Model {
         let surface = Surface::new(
             settings.surface_correction,
             turned,
-            &settings.lattice.axes().outline(&self.body()),
+            &settings.lattice.axes().outline(&self.body_outline()),
             &settings.lattice.along_axes(),
             micromodulus,
         );
@@ -465,6 +506,13 @@ impl Model {
             region: region.name.clone(),
             source,
         })
+    }
+
+    /// The outline of all regions together.
+    fn body_outline(&self) -> Outline {
+        let mut cells: Vec<usize> = self.regions.iter().flat_map(|r| r.cells.clone()).collect();
+        cells.sort_unstable();
+        Outline::of_cells(&self.mesh, &cells)
     }
 
     fn interface_segments(&self, region: usize) -> Vec<[[f64; 2]; 2]> {
@@ -486,7 +534,7 @@ impl Model {
     fn add_trusses(&mut self, node_area: NodeArea) {
         let lumped = self.lumped_areas();
         for points in &self.points {
-            let ends = self.interface_nodes(points, node_area, &lumped);
+            let ends = self.interface_nodes(points, &lumped, node_area);
             let fe_nodes = self.positions.len() - self.areas.len();
             let range = points.nodes.start - fe_nodes..points.nodes.end - fe_nodes;
             self.springs.append(trusses(
@@ -504,8 +552,8 @@ impl Model {
     fn interface_nodes(
         &self,
         points: &PointRegion,
-        node_area: NodeArea,
         lumped: &[f64],
+        node_area: NodeArea,
     ) -> Vec<InterfaceNode> {
         let mut half_edges: BTreeMap<u32, f64> = BTreeMap::new();
         let touching = self

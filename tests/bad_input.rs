@@ -312,6 +312,38 @@ fn regions() {
         "horizon: 1e9",
         &["bar.yaml:15:14", "more than 20"],
     );
+    let correction = [
+        "bar.yaml:16:",
+        "surface_correction",
+        "none",
+        "volume",
+        "energy",
+        "force",
+        "least-squares",
+    ];
+    assert_edit(
+        "horizon: 4",
+        "horizon: 4\n    surface_correction: strong",
+        &correction,
+    );
+    let micromodulus = ["bar.yaml:16:", "micromodulus", "isotropised", "raw"];
+    assert_edit(
+        "horizon: 4",
+        "horizon: 4\n    micromodulus: isotropic",
+        &micromodulus,
+    );
+    for (key, value) in [("micromodulus", "raw"), ("surface_correction", "force")] {
+        let lattice_only = [
+            "bar.yaml:10:",
+            &format!("`{key}` belongs to peridynamic regions"),
+            &format!("remove `{key}`"),
+        ];
+        assert_edit(
+            "model: fem, material: solid",
+            &format!("model: fem, material: solid, {key}: {value}"),
+            &lattice_only,
+        );
+    }
     let fem = "- { group: [left, right], model: fem, material: solid }";
     let overlap = ["bar.yaml:11:12", "`left+band` and `band` overlap: 16 cells"];
     assert_edit("[left, right]", "[left, band]", &overlap);

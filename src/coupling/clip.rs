@@ -78,8 +78,21 @@ pub struct Region<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct Clip {
     pub springs: Springs,
+    /// What the springs are of the points' families.
+    pub shares: Vec<FamilyShare>,
     /// Bonds between two points that `springs` stand for, lower point first, ascending.
     pub replaced: Vec<[u32; 2]>,
+}
+
+/// A spring that holds the place of a neighbour, or of a part of one, in a point's family.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FamilyShare {
+    /// Number of the spring among the interpolated ones.
+    pub spring: u32,
+    /// The point's node.
+    pub point: u32,
+    /// What counts of the neighbour's area [m²].
+    pub area: f64,
 }
 
 /// Clips the bonds of a region.
@@ -95,6 +108,12 @@ pub fn clip(region: &Region) -> Clip {
         .collect();
     let mut all = Clip::default();
     for part in parts {
+        let before = all.springs.len() as u32;
+        all.shares
+            .extend(part.shares.iter().map(|share| FamilyShare {
+                spring: before + share.spring,
+                ..*share
+            }));
         all.springs.append(part.springs);
         all.replaced.extend(part.replaced);
     }

@@ -140,7 +140,7 @@ mod tests {
     }
 
     /// A bond of negative stiffness would make the lattice unstable. No kernel comes near, on any
-    /// horizon that a pipeline may have: the least factor is 0.617, PMB's at m = 2.24. A new kernel for
+    /// horizon that a pipeline may have: the least factor is 0.618, PMB's at m = 2.24. A new kernel for
     /// which this fails needs an error that sends its user to the raw one.
     #[test]
     fn no_bond_of_any_kernel_loses_its_stiffness() {

@@ -164,13 +164,22 @@ impl Sites {
         let shares = match settings.cell_area {
             CellArea::Full => kept.iter().map(|&k| f64::from(u8::from(k))).collect(),
             CellArea::Clipped => {
+                // Rounding leaves slivers outside, which a whole cell takes up.
+                let share = |area: f64| {
+                    let share = area / whole;
+                    if (share - 1.0).abs() < WHOLE_CELL {
+                        1.0
+                    } else {
+                        share
+                    }
+                };
                 let free = Neighbourhood {
                     interface: &[],
                     clearance: ON_BOUNDARY,
                     body: None,
                 };
                 let areas = grid.clipped_areas(body, &free, &kept);
-                areas.iter().map(|area| area / whole).collect()
+                areas.into_iter().map(share).collect()
             }
         };
         Sites { grid, shares }
@@ -185,6 +194,11 @@ impl Sites {
     pub fn position(&self, site: usize) -> [f64; 2] {
         let columns = self.grid.columns;
         self.grid.position(site % columns, site / columns)
+    }
+
+    /// Column and row of a position, fractions included.
+    pub fn coordinates(&self, position: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| (position[axis] - self.grid.first[axis]) / self.grid.dx)
     }
 
     /// The site nearest to a position on the grid.

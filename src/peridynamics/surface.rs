@@ -19,9 +19,9 @@
 use super::bonds::family_offsets;
 use super::kernel::Micromodulus;
 use super::lattice::{LatticeSettings, Sites};
-use super::least_squares::{self, PairFactors};
+use super::least_squares::EdgeFactors;
 use crate::geometry::Outline;
-use crate::springs::{self, Springs};
+use crate::springs::Springs;
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -35,7 +35,8 @@ pub enum SurfaceCorrection {
     Energy,
     /// By the forces of two uniaxial strains.
     Force,
-    /// The least change of `Force` that makes straight edges exact, see [`least_squares`].
+    /// The least change of `Force` that makes straight edges exact in tension, see
+    /// [`super::least_squares`].
     LeastSquares,
 }
 
@@ -54,7 +55,7 @@ pub struct Surface {
     sites: Sites,
     /// What each site has of a whole family, by component [-].
     completeness: Vec<[f64; 2]>,
-    pairs: PairFactors,
+    edges: EdgeFactors,
 }
 
 impl Surface {
@@ -73,39 +74,43 @@ impl Surface {
         let reach = (micromodulus.reach() / micromodulus.spacing) as usize;
         let sites = Sites::new(outline, body, settings, 3 * reach);
         let completeness = completeness(correction, &sites, micromodulus);
-        let mut surface = Surface {
+        let edges = if correction == SurfaceCorrection::LeastSquares {
+            let is_cut = |site: usize| completeness[site] != WHOLE;
+            EdgeFactors::new(&sites, &is_cut, body, micromodulus)?
+        } else {
+            EdgeFactors::default()
+        };
+        Ok(Surface {
             correction,
             sites,
             completeness,
-            pairs: PairFactors::new(),
-        };
-        if correction == SurfaceCorrection::LeastSquares {
-            surface.pairs = least_squares::factors(
-                &surface.sites,
-                &surface.completeness,
-                &|a, b| surface.product_factor(a, b),
-                body,
-                micromodulus,
-            )?;
-        }
-        Ok(surface)
+            edges,
+        })
     }
 
     /// λ of the bond between two lattice sites, given by their positions [m].
     pub fn factor(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
         let [i, j] = [a, b].map(|position| self.sites.nearest(position));
-        let pair = [i.min(j) as u32, i.max(j) as u32];
-        match self.pairs.get(&pair) {
-            Some(&factor) => factor,
-            None => self.product_factor(i, j),
+        let (own, other) = (self.completeness[i], self.completeness[j]);
+        if own == WHOLE && other == WHOLE {
+            return 1.0;
         }
+        if self.correction == SurfaceCorrection::Volume {
+            return 2.0 / (own[0] + other[0]);
+        }
+        let columns = self.sites.counts()[0] as i32;
+        let [from, to] = [i, j].map(|site| [site as i32 % columns, site as i32 / columns]);
+        let offset = [to[0] - from[0], to[1] - from[1]];
+        let is_cut = |site: usize| self.completeness[site] != WHOLE;
+        let edge = self.edges.factor([i, j], offset, is_cut);
+        edge.unwrap_or_else(|| mean_factor(offset.map(f64::from), own, other))
     }
 
     /// Multiplies the stiffness of every bond by its factor. `positions`: of the points, whose nodes
     /// count from `first_node` [m].
     pub fn correct(&self, bonds: &mut Springs, positions: &[[f64; 2]], first_node: u32) {
-        let factor = |ends: &[u32; 2]| {
-            let [a, b] = ends.map(|node| positions[(node - first_node) as usize]);
+        let factor = |pair: &[u32; 2]| {
+            let [a, b] = pair.map(|node| positions[(node - first_node) as usize]);
             self.factor(a, b)
         };
         let factors: Vec<f64> = bonds.pairs().par_iter().map(factor).collect();
@@ -113,25 +118,21 @@ impl Surface {
             *stiffness *= factor;
         }
     }
+}
 
-    fn product_factor(&self, i: usize, j: usize) -> f64 {
-        let (a, b) = (self.completeness[i], self.completeness[j]);
-        if a == [1.0; 2] && b == [1.0; 2] {
-            return 1.0;
-        }
-        if self.correction == SurfaceCorrection::Volume {
-            return 2.0 / (a[0] + b[0]);
-        }
-        let ends = [i, j].map(|site| self.sites.position(site));
-        let (_, n) = springs::axis([0, 1], &ends);
-        let inverse: f64 = (0..2)
-            .map(|axis| {
-                let g = 0.5 * (1.0 / a[axis] + 1.0 / b[axis]);
-                (n[axis] / g).powi(2)
-            })
-            .sum();
-        1.0 / inverse.sqrt()
-    }
+/// S_i/S∞ of a family that misses nothing.
+const WHOLE: [f64; 2] = [1.0; 2];
+
+/// λ = [(n_x/g_x)² + (n_y/g_y)²]^(−1/2) of a bond along `bond`, with S_i/S∞ and S_j/S∞.
+pub(super) fn mean_factor(bond: [f64; 2], own: [f64; 2], other: [f64; 2]) -> f64 {
+    let length = bond[0].hypot(bond[1]);
+    let inverse: f64 = (0..2)
+        .map(|axis| {
+            let g = 0.5 * (1.0 / own[axis] + 1.0 / other[axis]);
+            (bond[axis] / length / g).powi(2)
+        })
+        .sum();
+    1.0 / inverse.sqrt()
 }
 
 /// S_i/S∞ of every site in the body, by component; V_i/V0 twice [-]. Exactly one where nothing is
@@ -159,7 +160,7 @@ fn completeness(
     let whole = sum(1.0, &|_| 1.0);
     let of_site = |site: usize| {
         if sites.shares[site] == 0.0 || correction == SurfaceCorrection::None {
-            return [1.0; 2];
+            return WHOLE;
         }
         let (column, row) = ((site % columns) as i64, (site / columns) as i64);
         let found = sum(sites.shares[site], &|[p, q]| {

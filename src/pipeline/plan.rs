@@ -7,7 +7,6 @@ use super::reader::Reader;
 use super::source::{InputError, Source};
 use super::spec::{self, Spec};
 use super::yaml;
-use crate::coupling::Coupling;
 use crate::fem::edge::EdgeLoad;
 use crate::fracture::control::{Control, Until};
 use crate::fracture::failure::Strength;
@@ -140,12 +139,12 @@ impl Plan {
             model: ModelSettings {
                 plane,
                 thickness: reader.positive("thickness", &spec.thickness, Dimension::LENGTH)?,
-                coupling: Coupling::Truss(reader.node_area()?),
+                coupling: reader.coupling()?,
             },
             regions: reader.regions(&materials, plane)?,
             cracks: spec.cracks.clone(),
             no_fail: spec.no_fail.clone(),
-            trusses_break: spec.coupling.truss.breakable,
+            trusses_break: matches!(&spec.coupling, spec::Coupling::Truss(t) if t.breakable),
             conditions: reader.conditions()?,
             loading: reader.loading()?,
             probes: reader.probes()?,

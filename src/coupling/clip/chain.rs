@@ -3,7 +3,7 @@
 use super::side::Frame;
 use super::stencil::{self, Stencil};
 use super::strip::{Crossing, Interval, SubStrip};
-use super::{Clip, Region};
+use super::{Clip, FamilyShare, Region};
 use std::collections::BTreeMap;
 
 /// Sites nearer than this to an end in the finite elements are left out of a chain [dx]. Less than the
@@ -247,10 +247,11 @@ impl Line<'_> {
                 }
             }
         }
-        let own = member.ends.map(|end| match end {
-            End::Site { k, .. } => self.point(k).map(|point| areas[point as usize]),
+        let points = member.ends.map(|end| match end {
+            End::Site { k, .. } => self.point(k),
             End::Trace(_) => None,
         });
+        let own = points.map(|point| point.map(|point| areas[point as usize]));
         let square = index.spacing * index.spacing;
         let area = |end: usize| own[end].or(own[1 - end]).unwrap_or(square);
         let factor = match (self.region.surface, self.bond_of(member)) {
@@ -259,6 +260,16 @@ impl Line<'_> {
         };
         let whole = factor * self.stiffness * area(0) * area(1) * thickness;
         let ratio = (member.ends[1].along() - member.ends[0].along()) / self.length;
+        for (end, point) in points.into_iter().enumerate() {
+            if let Some(point) = point {
+                let fraction = self.region.micromodulus.area_fraction(self.length);
+                clip.shares.push(FamilyShare {
+                    spring: clip.springs.len() as u32,
+                    point: first_node + point,
+                    area: sub_strip.share * fraction * own[1 - end].unwrap_or(square),
+                });
+            }
+        }
         clip.springs.push_interpolated(
             segment.map(|x| axes.global(x)),
             [&shares[0], &shares[1]],

@@ -381,6 +381,14 @@ fn print_fracture(summary: &Value) {
     }
     let ending = summary["outcome"].as_str().unwrap_or("ended");
     event(ending, &fracture["end"], &reference["separated"]);
+    let fragments = fracture["fragments"].as_array();
+    if let Some(fragments) = fragments.filter(|list| !list.is_empty()) {
+        let nodes: u64 = fragments.iter().filter_map(Value::as_u64).sum();
+        println!(
+            "  come off: {} parts of {nodes} points in all",
+            fragments.len()
+        );
+    }
     if let Some(reason) = fracture["stopped_because"].as_str() {
         println!("  because {reason}");
     }

@@ -301,6 +301,13 @@ impl Model {
         nodes.find_map(|&node| self.region_of_point(node as usize))
     }
 
+    /// # Panics
+    /// For the node of a finite element.
+    pub fn material_of_point(&self, node: usize) -> &Material {
+        let region = self.region_of_point(node);
+        &self.regions[region.expect("the node of a material point")].material
+    }
+
     /// The share of a neighbour's area that counts at the distance `xi` from a material point [-].
     pub fn area_fraction(&self, node: usize, xi: f64) -> f64 {
         let points = self.points.iter().find(|p| p.nodes.contains(&node));

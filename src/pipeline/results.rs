@@ -7,6 +7,7 @@ use super::run::RunError;
 use super::solved::Solved;
 use super::spec::OutputField;
 use crate::boundary::Boundary;
+use crate::fields::points::PointFields;
 use crate::fields::{NodalFields, stretches};
 use crate::fracture::state;
 use crate::model::{Method, Model};
@@ -167,6 +168,16 @@ impl Outcome<'_> {
             .iter()
             .map(|a| a * model.settings.thickness)
             .collect();
+        let PointFields { strain, stress } =
+            PointFields::new(model, &frame.displacement, &frame.intact);
+        if self.wants(OutputField::Stress) {
+            part.point_data
+                .push(Field::symmetric_tensor(FieldName::Stress, stress));
+        }
+        if self.wants(OutputField::Strain) {
+            part.point_data
+                .push(Field::symmetric_tensor(FieldName::Strain, strain));
+        }
         if self.has_damage() {
             let damage = state::damage(model, &frame.intact);
             part.point_data
@@ -325,6 +336,7 @@ impl Outcome<'_> {
             "end": course.history.last().map(point),
             "control": self.plan.spec.loading.as_ref().map(|loading| loading.control),
             "stopped_because": course.reason,
+            "fragments": course.fragments,
             "phases": self.plan.loading.as_ref().map(|loading| {
                 loading.phases.iter().map(|phase| &phase.name).collect::<Vec<_>>()
             }),

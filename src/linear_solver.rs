@@ -26,7 +26,7 @@ pub enum SolverError {
 #[derive(Clone, Debug)]
 pub enum Factor {
     Cholesky(cholesky::Factor),
-    Lu(lu::Factor),
+    Lu(Box<lu::Factor>),
 }
 
 impl Factor {

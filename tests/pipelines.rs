@@ -23,11 +23,21 @@ const CASES: [(&str, f64, f64); 5] = [
     ("cantilever_fem_q8_rollers", 1.05e-5, 1.05e-15),
 ];
 
-/// Pipeline, steps of the first break and of the separation; the paper separates at 92 and 63.
-const PLATES: [(&str, RangeInclusive<u64>, RangeInclusive<u64>); 2] = [
-    ("plate_mode_i", 43..=47, 90..=94),
-    ("plate_two_cracks", 28..=30, 62..=64),
+/// Pipeline, steps of the first break and of the separation; the paper separates at 92 and 63. The
+/// steps that are drawn: the paper's and one between.
+type Plate = (
+    &'static str,
+    RangeInclusive<u64>,
+    RangeInclusive<u64>,
+    [u64; 3],
+);
+const PLATES: [Plate; 2] = [
+    ("plate_mode_i", 43..=47, 90..=94, [57, 75, 92]),
+    ("plate_two_cracks", 28..=30, 62..=64, [39, 50, 63]),
 ];
+
+/// Tested in files of their own.
+const ELSEWHERE: [&str; 1] = ["compact_tension"]; // tests/snap_back.rs
 
 /// Two phases: what pushes in the first stays.
 const PROGRAMME: &str = "shear_then_tension";
@@ -96,16 +106,22 @@ fn finite_elements_on_rollers_are_exact() {
 }
 
 fn assert_plate(index: usize) {
-    let (name, onset, separation) = &PLATES[index];
+    let (name, onset, separation, drawn) = &PLATES[index];
     let summary = run(name, &["--set", "output.every=1000"]);
     assert_eq!(summary["outcome"], "separated", "{name}");
     let fracture = &summary["fracture"];
     let step = |point: &str| fracture[point]["step"].as_u64().expect("a step");
     assert!(onset.contains(&step("first_break")), "{name}: {fracture}");
     assert!(separation.contains(&step("end")), "{name}: {fracture}");
-    // The start, the first break and the end have frames whatever `output.every` says.
-    let frames = serde_json::json!([0, step("first_break"), step("end")]);
-    assert_eq!(fracture["frames"], frames, "{name}");
+    // The start, the first break, the end and what is drawn have frames whatever `output.every` says.
+    let mut frames = BTreeSet::from([0, step("first_break"), step("end")]);
+    frames.extend(drawn);
+    assert_eq!(fracture["frames"], serde_json::json!(frames), "{name}");
+    for step in drawn {
+        let file = format!("damage_{step:06}.png");
+        let files = summary["files"].as_array().expect("files");
+        assert!(files.iter().any(|f| *f == file), "{name}: {file}");
+    }
 }
 
 #[test]
@@ -176,6 +192,7 @@ fn every_pipeline_is_tested() {
         .iter()
         .map(|case| case.0)
         .chain(plates)
+        .chain(ELSEWHERE)
         .chain([PROGRAMME]);
     let tested: BTreeSet<String> = cases.map(str::to_owned).collect();
     assert_eq!(stems.collect::<BTreeSet<_>>(), tested);

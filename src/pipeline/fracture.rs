@@ -2,10 +2,12 @@
 //! step, from which a killed run goes on with the same bits.
 
 use super::checkpoint::Checkpoint;
+use super::damage_picture::Latest;
 use super::folder::{file_error, remove};
 use super::history::{Line, header};
 use super::plan::{Loading, Plan};
 use super::run::{Observer, RunError};
+use super::spec::Output;
 use super::stamp;
 use super::validate::{limits, programme};
 use crate::fracture::control::{self, Ending, Problem, Record};
@@ -115,8 +117,10 @@ pub(super) fn run(
     }
     let start = Instant::now();
     let first = state.step;
+    let mut latest = Latest::default();
     let ending = control::run(&problem, &mut state, phases, |state, record, response| {
         writer.step(state, record, response)?;
+        latest.show(plan, model, state.step, &state.intact)?;
         let rate = start.elapsed().as_secs_f64() / (state.step - first) as f64;
         observer.progress(&progress(&problem, writer.history.last(), rate));
         Ok::<(), RunError>(())
@@ -249,7 +253,11 @@ impl<'a> Writer<'a> {
         writeln!(self.csv, "{}", self.csv(&line))
             .map_err(|source| file_error("write", &self.csv_path, source))?;
         self.history.push(line);
-        if first_break || state.step.is_multiple_of(self.plan.output.every) {
+        let Output {
+            every, pictures_at, ..
+        } = &self.plan.output;
+        let is_pictured = pictures_at.contains(&state.step);
+        if first_break || is_pictured || state.step.is_multiple_of(*every) {
             self.frame(state)?;
         }
         let checkpoint = Checkpoint::new(&self.recipe, state, &last, &self.history, &self.frames);

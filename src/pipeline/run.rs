@@ -1,6 +1,7 @@
 //! Runs the stages that are stale: mesh → solve → output. Bad input is found before anything is
 //! written; what is written appears under its name only when it is whole.
 
+use super::damage_picture::DAMAGE_PICTURE;
 use super::folder::{draft, file_error, hash_of, lock, remove, sweep};
 use super::fracture::{self, Fractured, HISTORY_FILE, forget_checkpoint, frame_file};
 use super::meshing::{mesh_geometry, to_mesh};
@@ -372,8 +373,10 @@ impl Run<'_> {
         if self.options.force {
             forget_checkpoint(&self.plan.folder)?;
         }
-        // From here on the stage is unfinished; its history is known to `clean`.
-        self.begin(Stage::Solve, &[HISTORY_FILE.to_owned()])?;
+        // From here on the stage is unfinished; `clean` knows what it writes along the way. The picture
+        // is not among its results, and goes when they are whole.
+        let along_the_way = [HISTORY_FILE, DAMAGE_PICTURE].map(str::to_owned);
+        self.begin(Stage::Solve, &along_the_way)?;
         let recipe = serde_json::to_string(recipe).expect("a recipe is plain data");
         let Fractured {
             history,
@@ -445,6 +448,9 @@ impl Run<'_> {
             remove(&folder.join(file))?;
         }
         self.finish(Stage::Output, recipe, &files)?;
+        if let Some(missing) = outcome.missing_pictures() {
+            self.observer.warns(&missing);
+        }
         let what = format!("{} files in {}", files.len(), folder.display());
         self.observer.ends(Stage::Output, &what, start.elapsed());
         Ok(summary)

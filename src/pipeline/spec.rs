@@ -378,6 +378,8 @@ pub struct Output {
     /// Write bonds and trusses as lines with their stretch.
     pub bonds: bool,
     pub pictures: bool,
+    /// Steps of a fracture run whose damage is drawn; they have a frame.
+    pub pictures_at: Vec<usize>,
 }
 
 impl Default for Output {
@@ -388,6 +390,7 @@ impl Default for Output {
             every: 1,
             bonds: false,
             pictures: true,
+            pictures_at: Vec::new(),
         }
     }
 }

@@ -84,9 +84,9 @@ impl Structure {
             (Structure::Symmetric { symbolic, .. }, Stiffness::Symmetric(lower)) => {
                 symbolic.factorise(lower).map(Factor::Cholesky)
             }
-            (Structure::Full { symbolic, .. }, Stiffness::Full(full)) => {
-                symbolic.factorise(full).map(Factor::Lu)
-            }
+            (Structure::Full { symbolic, .. }, Stiffness::Full(full)) => symbolic
+                .factorise(full)
+                .map(|factor| Factor::Lu(Box::new(factor))),
             _ => unreachable!("a structure assembles its own form"),
         }
     }

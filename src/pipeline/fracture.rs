@@ -388,7 +388,8 @@ fn crack_lengths(model: &Model, limits: &Limits) -> Vec<f64> {
         if let (true, Some(points)) = (breakable, points) {
             let xi = model.springs.length(spring, &model.positions);
             // The critical stretch cancels.
-            let energy = 0.5 * model.springs.stiffness[spring] * xi * xi;
+            let stiffness = model.bond_share(spring) * model.springs.stiffness[spring];
+            let energy = 0.5 * stiffness * xi * xi;
             let rate = points.micromodulus.c0 * points.micromodulus.third_moment();
             *length = energy / (rate * model.settings.thickness);
         }

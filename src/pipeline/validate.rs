@@ -3,6 +3,7 @@
 use super::plan::{Condition, Plan, Probe};
 use super::source::{InputError, choices, quoted};
 use crate::boundary::{Boundary, BoundaryError};
+use crate::coupling::splice::SpliceError;
 use crate::cracks::Cracks;
 use crate::fracture::failure::CriticalStretch;
 use crate::fracture::programme::{LoadPhase, Programme};
@@ -207,7 +208,8 @@ fn cracks(plan: &Plan, mesh: &Mesh) -> Result<Cracks, InputError> {
 }
 
 /// The critical stretch of every bond and truss. Bonds with an end in a `no_fail` surface never
-/// break, nor do trusses unless the pipeline says so.
+/// break, nor do trusses unless the pipeline says so, nor what clipping leaves between two sides of
+/// finite elements.
 pub fn limits(plan: &Plan, model: &Model) -> Limits {
     let unbreakable = unbreakable_points(plan, model);
     let mut table = vec![CriticalStretch::UNBREAKABLE];
@@ -221,7 +223,7 @@ pub fn limits(plan: &Plan, model: &Model) -> Limits {
         }
     }
     let class = |spring: usize| {
-        let is_truss = spring >= model.bond_count;
+        let is_truss = model.is_truss(spring);
         let mut nodes = model.springs.nodes(spring).iter();
         let held = nodes.any(|&node| unbreakable[node as usize]);
         if held || (is_truss && !plan.trusses_break) {
@@ -296,6 +298,7 @@ fn model_error(plan: &Plan, error: &ModelError) -> InputError {
         ModelError::NoMaterialPoint { region } => {
             (spacing(region), "choose a smaller `spacing`".to_owned())
         }
+        ModelError::Splice { region, source } => (key(region), splice_help(source).to_owned()),
         ModelError::Surface { region, .. } => (
             key(region).replace("group", "surface_correction"),
             "write `surface_correction: force`".to_owned(),
@@ -305,6 +308,20 @@ fn model_error(plan: &Plan, error: &ModelError) -> InputError {
         }
     };
     plan.source.error(&key, error.to_string(), Some(help))
+}
+
+fn splice_help(error: &SpliceError) -> &'static str {
+    match error {
+        SpliceError::NarrowRing { .. } => {
+            "under `coupling: splice` every bond ends in material: make the finite-element region wider \
+             there, the horizon smaller, or extend the peridynamic region to the boundary"
+        }
+        SpliceError::Bridged { .. } => {
+            "mesh the region with smaller elements: two or more nodes between opposite interfaces must \
+             be 2 spacings or farther from both"
+        }
+        SpliceError::NoBlock { .. } => "choose a smaller `spacing`, or make the region wider",
+    }
 }
 
 fn boundary_error(plan: &Plan, index: usize, error: &BoundaryError) -> InputError {

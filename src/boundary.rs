@@ -357,7 +357,7 @@ fn outline_edges<'a>(
     let on_points = model
         .points
         .iter()
-        .map(|p| (p, of_cells(&model.regions[p.region].cells)));
+        .map(|p| (p, of_cells(&model.lattice_cells(p.region))));
     (
         on_elements,
         on_points.filter(|(_, edges)| !edges.is_empty()).collect(),

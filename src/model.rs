@@ -3,6 +3,7 @@
 //! Nodes are the finite-element nodes in the mesh's order, then the material points, region by
 //! region. Immutable once built.
 
+mod bodies;
 mod splice;
 
 use crate::assembly::ElementStiffness;
@@ -98,14 +99,16 @@ pub struct Interface {
     pub edges: Vec<Edge>,
 }
 
-/// The material points of one peridynamic region.
+/// The material points of one peridynamic region, or of several that touch each other.
 #[derive(Clone, Debug)]
 pub struct PointRegion {
+    /// The first of the regions.
     pub region: usize,
     /// Their nodes.
     pub nodes: Range<usize>,
+    /// Of the first region's material.
     pub micromodulus: Micromodulus,
-    /// The region's outline, and its area |Ω| [m²].
+    /// The regions' outline, and its area |Ω| [m²].
     pub outline: Outline,
     pub area: f64,
 }
@@ -125,6 +128,10 @@ pub struct Model {
     pub elements: Vec<(usize, usize)>,
     /// A_i of every material point [m²].
     pub areas: Vec<f64>,
+    /// The region of every material point.
+    region_of: Vec<u32>,
+    /// For every region the one that leads its lattice.
+    leader: Vec<usize>,
     pub points: Vec<PointRegion>,
     /// Bonds first, then trusses, then what else a coupling adds.
     pub springs: Springs,
@@ -147,7 +154,7 @@ pub enum ModelError {
         second: String,
         cells: usize,
     },
-    #[error("peridynamic regions `{first}` and `{second}` touch, but no bond joins them")]
+    #[error("peridynamic regions `{first}` and `{second}` touch, and their lattices differ")]
     RegionsTouch { first: String, second: String },
     #[error(
         "element {cell} of region `{region}` is folded or clockwise at ({x:.6e}, {y:.6e}) m: \
@@ -190,7 +197,7 @@ impl Model {
     ) -> Result<Model, ModelError> {
         check_cells(&mesh, &regions)?;
         let interfaces = interfaces(&mesh, &regions);
-        check_separation(&mesh, &regions)?;
+        let leader = bodies::leaders(&mesh, &regions)?;
         let mut model = Model {
             settings,
             interfaces,
@@ -204,6 +211,8 @@ impl Model {
             clipped: Vec::new(),
             splice: None,
             intact: Vec::new(),
+            leader,
+            region_of: Vec::new(),
             mesh,
             regions,
         };
@@ -215,6 +224,7 @@ impl Model {
             Coupling::Clip => {}
             Coupling::Splice => model.add_splice()?,
         }
+        model.mix_materials();
         model.intact = vec![true; model.springs.len()];
         Ok(model)
     }
@@ -299,10 +309,8 @@ impl Model {
 
     /// The region that a material point's node belongs to.
     pub fn region_of_point(&self, node: usize) -> Option<usize> {
-        self.points
-            .iter()
-            .find(|p| p.nodes.contains(&node))
-            .map(|p| p.region)
+        let point = node.checked_sub(self.fe_node_count())?;
+        self.region_of.get(point).map(|&region| region as usize)
     }
 
     /// How many springs tie finite elements to material points, and what they are called.
@@ -318,12 +326,6 @@ impl Model {
     /// Whether a spring is a truss of the paper's coupling.
     pub fn is_truss(&self, spring: usize) -> bool {
         (self.bond_count..self.springs.pairs().len()).contains(&spring)
-    }
-
-    /// The region whose material points a spring acts on; `None` between finite elements.
-    pub fn region_of_spring(&self, spring: usize) -> Option<usize> {
-        let mut nodes = self.springs.nodes(spring).iter();
-        nodes.find_map(|&node| self.region_of_point(node as usize))
     }
 
     /// # Panics
@@ -371,7 +373,10 @@ impl Model {
             let Method::Peridynamics(settings) = region.method else {
                 continue;
             };
-            let outline = Outline::of_cells(&self.mesh, &region.cells);
+            if self.leader[index] != index {
+                continue;
+            }
+            let outline = Outline::of_cells(&self.mesh, &self.lattice_cells(index));
             let axes = settings.lattice.axes();
             let turned = axes.outline(&outline);
             check_count(region, &turned, settings.lattice.spacing)?;
@@ -435,6 +440,7 @@ impl Model {
                 area: outline.area(),
                 outline,
             });
+            self.region_of.extend(self.label(index, &positions));
             self.positions.extend(positions);
             self.areas.extend(areas);
         }
@@ -464,9 +470,7 @@ impl Model {
     /// The sides of a region's outline, with the region on the left, along the lattice's axes.
     fn sides(&self, region: usize, axes: &Axes) -> Vec<Side> {
         let interface: HashSet<[usize; 2]> = self
-            .interfaces
-            .iter()
-            .filter(|i| i.peridynamics == region)
+            .interfaces_of(region)
             .flat_map(|i| i.edges.iter().map(Edge::key))
             .collect();
         let position = |node: usize| axes.local(self.mesh.nodes[node]);
@@ -479,7 +483,7 @@ impl Model {
                 Vec::new()
             },
         };
-        let edges = self.mesh.outline(&self.regions[region].cells);
+        let edges = self.mesh.outline(&self.lattice_cells(region));
         edges.into_iter().map(side).collect()
     }
 
@@ -516,11 +520,7 @@ impl Model {
     }
 
     fn interface_segments(&self, region: usize) -> Vec<[[f64; 2]; 2]> {
-        let edges = self
-            .interfaces
-            .iter()
-            .filter(|i| i.peridynamics == region)
-            .flat_map(|i| &i.edges);
+        let edges = self.interfaces_of(region).flat_map(|i| &i.edges);
         edges
             .flat_map(|edge| {
                 let points = chords(edge, &self.mesh.nodes);
@@ -556,10 +556,7 @@ impl Model {
         node_area: NodeArea,
     ) -> Vec<InterfaceNode> {
         let mut half_edges: BTreeMap<u32, f64> = BTreeMap::new();
-        let touching = self
-            .interfaces
-            .iter()
-            .filter(|i| i.peridynamics == points.region);
+        let touching = self.interfaces_of(points.region);
         for edge in touching.flat_map(|i| &i.edges) {
             for node in edge.nodes() {
                 let node = self.node_of[node].expect("an interface edge has finite-element nodes");
@@ -646,24 +643,6 @@ fn check_cells(mesh: &Mesh, regions: &[Region]) -> Result<(), ModelError> {
             .cells
             .iter()
             .for_each(|&cell| owner[cell] = Some(index));
-    }
-    Ok(())
-}
-
-fn check_separation(mesh: &Mesh, regions: &[Region]) -> Result<(), ModelError> {
-    let peridynamic: Vec<&Region> = regions
-        .iter()
-        .filter(|r| r.method != Method::FiniteElements)
-        .collect();
-    for (k, first) in peridynamic.iter().enumerate() {
-        for second in &peridynamic[k + 1..] {
-            if !mesh.shared_edges(&first.cells, &second.cells).is_empty() {
-                return Err(ModelError::RegionsTouch {
-                    first: first.name.clone(),
-                    second: second.name.clone(),
-                });
-            }
-        }
     }
     Ok(())
 }

@@ -284,7 +284,7 @@ pub struct Limits {
     /// The different ones.
     pub table: Vec<CriticalStretch>,
     /// Which one each spring has.
-    pub class: Vec<u8>,
+    pub class: Vec<u32>,
 }
 
 impl Limits {

@@ -40,12 +40,13 @@ impl Model {
                 continue;
             };
             let interface = self.interface_segments(index);
-            if interface.is_empty() {
+            if self.leader[index] != index || interface.is_empty() {
                 continue;
             }
+            let cells = self.lattice_cells(index);
             let spacing = settings.lattice.spacing;
             let is_solved = |node: usize| self.node_of[node].is_some();
-            let overlap = Overlap::new(&self.mesh, &region.cells, is_solved, &interface, spacing)
+            let overlap = Overlap::new(&self.mesh, &cells, is_solved, &interface, spacing)
                 .map_err(|error| self.splice_error(index, error))?;
             for &cell in &overlap.cells {
                 super::check_jacobian(&self.mesh, region, cell)?;
@@ -166,14 +167,11 @@ impl Model {
 
     /// The sides of a region that bound the body.
     fn free_segments(&self, points: &PointRegion) -> Vec<Segment> {
-        let interfaces = self
-            .interfaces
-            .iter()
-            .filter(|i| i.peridynamics == points.region);
+        let interfaces = self.interfaces_of(points.region);
         let shared: BTreeSet<[usize; 2]> = interfaces
             .flat_map(|i| i.edges.iter().map(Edge::key))
             .collect();
-        let edges = self.mesh.outline(&self.regions[points.region].cells);
+        let edges = self.mesh.outline(&self.lattice_cells(points.region));
         let free = edges.iter().filter(|edge| !shared.contains(&edge.key()));
         free.flat_map(|edge| {
             let points = chords(edge, &self.mesh.nodes);

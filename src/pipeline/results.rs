@@ -187,10 +187,7 @@ impl Outcome<'_> {
             .push(Field::scalar(FieldName::Area, model.areas.clone()));
         part.point_data
             .push(Field::scalar(FieldName::Volume, volumes));
-        let regions = model
-            .points
-            .iter()
-            .flat_map(|p| p.nodes.clone().map(|_| p.region));
+        let regions = (first..model.node_count()).filter_map(|node| model.region_of_point(node));
         part.cell_data.extend(self.region_fields(regions));
         part
     }
@@ -354,7 +351,7 @@ impl Outcome<'_> {
         let first = self.model.fe_node_count();
         let areas = &self.model.areas[points.nodes.start - first..points.nodes.end - first];
         json!({
-            "region": self.model.regions[points.region].name,
+            "region": lattice_name(self.model, points),
             "points": points.nodes.len(),
             "spacing_m": points.micromodulus.spacing,
             "horizon_m": points.micromodulus.horizon,
@@ -397,4 +394,11 @@ fn envelope_peak(history: &[Line]) -> Option<Value> {
         "grip_displacement_m": peak.grip_displacement,
         "reaction_n": peak.reaction,
     }))
+}
+
+/// The names of the regions that one lattice covers.
+pub(super) fn lattice_name(model: &Model, points: &crate::model::PointRegion) -> String {
+    let members = model.members(points.region);
+    let names: Vec<&str> = members.map(|r| model.regions[r].name.as_str()).collect();
+    names.join("+")
 }

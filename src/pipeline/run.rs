@@ -7,7 +7,7 @@ use super::fracture::{self, Fractured, HISTORY_FILE, forget_checkpoint, frame_fi
 use super::meshing::{mesh_geometry, to_mesh};
 use super::plan::{Loading, Plan};
 use super::recipe::recipe;
-use super::results::{Outcome, ResultsError};
+use super::results::{Outcome, ResultsError, lattice_name};
 use super::solved::{Course, Solved, StoredSolution};
 use super::source::InputError;
 use super::stamp::{self, Manifest, Reasons, Recipe, Stage};
@@ -467,7 +467,7 @@ impl Run<'_> {
             if (share - 1.0).abs() > AREA_WARNING {
                 self.observer.warns(&format!(
                     "the material points of `{}` stand for {:.2} % of its area",
-                    model.regions[points.region].name,
+                    lattice_name(model, points),
                     100.0 * share
                 ));
             }

@@ -82,7 +82,7 @@ fn stiffness(plate: Plate, [spacing, ratio]: [f64; 2], a: f64) -> Result<f64, Bo
     let settings = ModelSettings {
         plane: PlaneState::Stress,
         thickness: 1.0,
-        node_area: NodeArea::Lumped,
+        coupling: peristitch::coupling::Coupling::Truss(NodeArea::Lumped),
     };
     let regions = regions(plate, &mesh, [spacing, ratio]);
     let model = Model::build(mesh, regions, settings)?.with_cracks(&crack);
@@ -111,6 +111,8 @@ fn regions(plate: Plate, mesh: &Mesh, [spacing, horizon_ratio]: [f64; 2]) -> Vec
             spacing,
             placement: Placement::CellCentred,
             cell_area: CellArea::Full,
+            angle: 0.0,
+            origin: None,
         },
         horizon_ratio,
         kernel: Kernel::Quartic,

@@ -406,3 +406,21 @@ fn what_cannot_be_spliced_is_told() {
         SpliceError::NoBlock { .. } | SpliceError::Bridged { .. }
     ));
 }
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let lattice = isotropised(Placement::CellCentred);
+    let solve = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().expect("a pool").install(|| {
+            let model = model(CellKind::Quad8, 2.5, 12, true, lattice);
+            let boundary = hold_outline(&model, |[x, y]| [(90.0 * x).sin(), (70.0 * y).cos()]);
+            let solution = statics::solve(&model, &boundary, &mut Phases::default());
+            let solution = solution.expect("a solution");
+            let bits = |list: &[[f64; 2]]| list.iter().flatten().map(|x| x.to_bits()).collect();
+            [&solution.displacement, &solution.reaction].map(|list| -> Vec<u64> { bits(list) })
+        })
+    };
+    let one = solve(1);
+    assert!(one == solve(2) && one == solve(3));
+}

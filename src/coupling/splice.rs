@@ -24,7 +24,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SpliceError {
     #[error(
-        "the finite elements around it are narrower than its horizon of {horizon:e} m at \
+        "the finite elements around it are narrower than its horizon of {horizon:.4e} m at \
          ({x:.6e}, {y:.6e}) m, where a bond finds no material"
     )]
     NarrowRing { x: f64, y: f64, horizon: f64 },

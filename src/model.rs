@@ -7,6 +7,8 @@ mod splice;
 
 use crate::assembly::ElementStiffness;
 use crate::coupling::Coupling;
+use crate::coupling::clip::side::Side;
+use crate::coupling::clip::{self, FamilyShare, clip};
 use crate::coupling::splice::SpliceError;
 use crate::coupling::truss::{InterfaceNode, NodeArea, trusses};
 use crate::cracks::Cracks;
@@ -14,13 +16,16 @@ use crate::fem::element;
 use crate::geometry::{Outline, chords};
 use crate::material::{Material, PlaneState};
 use crate::mesh::{Cell, Edge, Mesh};
+use crate::peridynamics::axes::Axes;
 use crate::peridynamics::bonds::bonds;
 use crate::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
-use crate::peridynamics::lattice::{Lattice, LatticeSettings, lattice};
+use crate::peridynamics::lattice::{
+    Lattice, LatticeSettings, Neighbourhood, ON_BOUNDARY, lattice_beside,
+};
 use crate::peridynamics::surface::{Surface, SurfaceCorrection, SurfaceError};
 use crate::springs::Springs;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 use thiserror::Error;
 
@@ -124,6 +129,8 @@ pub struct Model {
     /// Bonds first, then trusses, then what else a coupling adds.
     pub springs: Springs,
     pub bond_count: usize,
+    /// What clipped bonds are of the points' families.
+    pub clipped: Vec<FamilyShare>,
     /// What the splice adds; `None` without an interface, or with another coupling.
     pub splice: Option<Splice>,
     /// Whether each spring is there at the start: false where it meets an initial crack.
@@ -194,6 +201,7 @@ impl Model {
             points: Vec::new(),
             springs: Springs::default(),
             bond_count: 0,
+            clipped: Vec::new(),
             splice: None,
             intact: Vec::new(),
             mesh,
@@ -203,6 +211,8 @@ impl Model {
         model.add_material_points()?;
         match settings.coupling {
             Coupling::Truss(node_area) => model.add_trusses(node_area),
+            // The bonds were clipped where they were made.
+            Coupling::Clip => {}
             Coupling::Splice => model.add_splice()?,
         }
         model.intact = vec![true; model.springs.len()];
@@ -295,6 +305,21 @@ impl Model {
             .map(|p| p.region)
     }
 
+    /// How many springs tie finite elements to material points, and what they are called.
+    pub fn ties(&self) -> (usize, &'static str) {
+        let what = match self.settings.coupling {
+            Coupling::Truss(_) => "trusses",
+            Coupling::Clip => "clipped bonds",
+            Coupling::Splice => "ghost bonds",
+        };
+        (self.springs.len() - self.bond_count, what)
+    }
+
+    /// Whether a spring is a truss of the paper's coupling.
+    pub fn is_truss(&self, spring: usize) -> bool {
+        (self.bond_count..self.springs.pairs().len()).contains(&spring)
+    }
+
     /// The region whose material points a spring acts on; `None` between finite elements.
     pub fn region_of_spring(&self, spring: usize) -> Option<usize> {
         let mut nodes = self.springs.nodes(spring).iter();
@@ -347,31 +372,61 @@ impl Model {
                 continue;
             };
             let outline = Outline::of_cells(&self.mesh, &region.cells);
-            check_count(region, &outline, settings.lattice.spacing)?;
-            let interface = self.interface_segments(index);
-            let Lattice {
-                positions,
-                mut areas,
-            } = lattice(&outline, &interface, &settings.lattice);
-            if self.splice.is_some() && !interface.is_empty() {
+            let axes = settings.lattice.axes();
+            let turned = axes.outline(&outline);
+            check_count(region, &turned, settings.lattice.spacing)?;
+            let mut lattice = self.lattice(index, &turned, &settings.lattice);
+            if self.splice.is_some() && !self.interface_segments(index).is_empty() {
                 // The lattice goes on behind the interface: it cuts no cell.
                 let sites = self.sites(&outline, &settings);
                 let dx = settings.lattice.spacing;
-                let shares = positions.iter().map(|&x| sites.shares[sites.nearest(x)]);
-                areas = shares.map(|share| share * dx * dx).collect();
+                let positions = lattice.positions.iter();
+                let shares = positions.map(|&x| sites.shares[sites.nearest(x)]);
+                lattice.areas = shares.map(|share| share * dx * dx).collect();
             }
-            if positions.is_empty() {
+            if lattice.positions.is_empty() {
                 return Err(ModelError::NoMaterialPoint {
                     region: region.name.clone(),
                 });
             }
             let micromodulus = settings.micromodulus(&region.material, self.settings.plane);
             let first = fe_nodes + self.areas.len();
+            let Lattice {
+                positions, areas, ..
+            } = &lattice;
             let thickness = self.settings.thickness;
-            let mut bonds = bonds(&positions, &areas, &micromodulus, thickness, first as u32);
-            if let Some(surface) = self.surface(region, &outline, &settings, &micromodulus)? {
-                surface.correct(&mut bonds, &positions, first as u32);
+            let mut bonds = bonds(positions, areas, &micromodulus, thickness, first as u32);
+            let surface = self.surface(region, &turned, &settings, &micromodulus)?;
+            if let Some(surface) = &surface {
+                surface.correct(&mut bonds, positions, first as u32);
             }
+            if self.settings.coupling == Coupling::Clip {
+                let clipped = clip(&clip::Region {
+                    outline: &turned,
+                    sides: &self.sides(index, &axes),
+                    index: &lattice.index,
+                    axes,
+                    areas,
+                    micromodulus: &micromodulus,
+                    surface: surface.as_ref(),
+                    thickness,
+                    first_node: first as u32,
+                });
+                let first = first as u32;
+                bonds.retain_pairs(|pair| {
+                    let pair = pair.map(|node| node - first);
+                    clipped.replaced.binary_search(&pair).is_err()
+                });
+                let before = self.springs.len() - self.springs.pairs().len();
+                self.clipped
+                    .extend(clipped.shares.iter().map(|share| FamilyShare {
+                        spring: before as u32 + share.spring,
+                        ..*share
+                    }));
+                bonds.append(clipped.springs);
+            }
+            let positions: Vec<[f64; 2]> = positions.iter().map(|&x| axes.global(x)).collect();
+            let areas = lattice.areas;
             self.springs.append(bonds);
             self.points.push(PointRegion {
                 region: index,
@@ -383,15 +438,57 @@ impl Model {
             self.positions.extend(positions);
             self.areas.extend(areas);
         }
-        self.bond_count = self.springs.len();
+        self.bond_count = self.springs.pairs().len();
         Ok(())
     }
 
-    /// The factors of a region's bonds near free surfaces, if it is to be corrected.
+    /// The material points of a region, along the lattice's axes.
+    fn lattice(&self, region: usize, turned: &Outline, settings: &LatticeSettings) -> Lattice {
+        let axes = settings.axes();
+        let segments = self.interface_segments(region).into_iter();
+        let interface: Vec<_> = segments.map(|s| s.map(|x| axes.local(x))).collect();
+        let body = axes.outline(&self.body_outline());
+        let is_clip = self.settings.coupling == Coupling::Clip;
+        let neighbourhood = Neighbourhood {
+            interface: &interface,
+            clearance: if is_clip {
+                clip::CLEARANCE
+            } else {
+                ON_BOUNDARY
+            },
+            body: is_clip.then_some(&body),
+        };
+        lattice_beside(turned, &neighbourhood, &settings.along_axes())
+    }
+
+    /// The sides of a region's outline, with the region on the left, along the lattice's axes.
+    fn sides(&self, region: usize, axes: &Axes) -> Vec<Side> {
+        let interface: HashSet<[usize; 2]> = self
+            .interfaces
+            .iter()
+            .filter(|i| i.peridynamics == region)
+            .flat_map(|i| i.edges.iter().map(Edge::key))
+            .collect();
+        let position = |node: usize| axes.local(self.mesh.nodes[node]);
+        let side = |edge: Edge| Side {
+            ends: edge.ends.map(position),
+            middle: edge.middle.map(position),
+            nodes: if interface.contains(&edge.key()) {
+                edge.nodes().filter_map(|node| self.node_of[node]).collect()
+            } else {
+                Vec::new()
+            },
+        };
+        let edges = self.mesh.outline(&self.regions[region].cells);
+        edges.into_iter().map(side).collect()
+    }
+
+    /// The factors of a region's bonds near free surfaces, if it is to be corrected. `turned`: the
+    /// region's outline along the lattice's axes.
     fn surface(
         &self,
         region: &Region,
-        outline: &Outline,
+        turned: &Outline,
         settings: &PeridynamicSettings,
         micromodulus: &Micromodulus,
     ) -> Result<Option<Surface>, ModelError> {
@@ -400,9 +497,9 @@ impl Model {
         }
         let surface = Surface::new(
             settings.surface_correction,
-            outline,
-            &self.body_outline(),
-            &settings.lattice,
+            turned,
+            &settings.lattice.axes().outline(&self.body_outline()),
+            &settings.lattice.along_axes(),
             micromodulus,
         );
         surface.map(Some).map_err(|source| ModelError::Surface {

@@ -27,6 +27,8 @@ const PAPER: Method = Method::Peridynamics(PeridynamicSettings {
         spacing: 2.5e-3,
         placement: Placement::GridNodes,
         cell_area: CellArea::Full,
+        angle: 0.0,
+        origin: None,
     },
     horizon_ratio: 4.0,
     kernel: Kernel::Quartic,

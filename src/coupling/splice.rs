@@ -379,11 +379,7 @@ mod tests {
         let outline = Outline {
             loops: vec![vec![[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]]],
         };
-        let settings = LatticeSettings {
-            spacing: 0.1,
-            placement: Placement::CellCentred,
-            cell_area: CellArea::Full,
-        };
+        let settings = LatticeSettings::upright(0.1, Placement::CellCentred, CellArea::Full);
         let sites = Sites::new(&outline, &outline, &settings, 3);
         let points: Vec<[f64; 2]> = (0..columns * rows)
             .map(|k| [k % columns, k / columns].map(|c| 0.05 + 0.1 * c as f64))

@@ -264,6 +264,13 @@ pub fn damage(model: &Model, intact: &[bool]) -> Vec<f64> {
             broken[own] += area;
         }
     }
+    for share in &model.clipped {
+        let own = share.point as usize - first;
+        whole[own] += share.area;
+        if !intact[model.springs.pairs().len() + share.spring as usize] {
+            broken[own] += share.area;
+        }
+    }
     broken
         .iter()
         .zip(whole)

@@ -240,16 +240,6 @@ impl Model {
         if is_ghost { 0.5 } else { 1.0 }
     }
 
-    /// How many springs tie finite elements to material points, and what they are called.
-    pub fn ties(&self) -> (usize, &'static str) {
-        let what = if self.splice.is_some() {
-            "ghost bonds"
-        } else {
-            "trusses"
-        };
-        (self.springs.len() - self.bond_count, what)
-    }
-
     /// Area of a ghost [m²].
     pub fn ghost_area(&self, bond: &GhostBond) -> f64 {
         let points = self

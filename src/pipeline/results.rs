@@ -223,7 +223,7 @@ impl Outcome<'_> {
         let of_stiff = |values: &[f64]| stiff.iter().map(|&s| values[s]).collect();
         let is_truss = stiff
             .iter()
-            .map(|&s| i32::from(s >= model.bond_count && model.splice.is_none()))
+            .map(|&s| i32::from(model.is_truss(s)))
             .collect();
         part.cell_data = vec![
             Field::scalar(FieldName::Stretch, of_stiff(&all)),
@@ -280,7 +280,8 @@ impl Outcome<'_> {
                 "finite_element_nodes": model.fe_node_count() - model.inner_nodes().len(),
                 "material_points": model.areas.len(),
                 "bonds": model.bond_count,
-                "trusses": if model.splice.is_some() { 0 } else { model.springs.len() - model.bond_count },
+                "trusses": model.springs.pairs().len() - model.bond_count,
+                "clipped_bonds": if model.splice.is_some() { 0 } else { model.springs.len() - model.springs.pairs().len() },
                 "ghost_bonds": model.splice.as_ref().map_or(0, |s| s.ghosts.len()),
                 "overlap_elements": model.splice.as_ref().map_or(0, |s| s.overlap.len()),
                 "dofs": self.solved.solution.size.dofs,

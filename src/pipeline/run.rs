@@ -13,6 +13,7 @@ use super::source::InputError;
 use super::stamp::{self, Manifest, Reasons, Recipe, Stage};
 use super::validate::discretise;
 use crate::boundary::Boundary;
+use crate::coupling::Coupling;
 use crate::gmsh::{self, Extract, GmshError};
 use crate::model::Model;
 use crate::output::{WriteError, write_whole};
@@ -456,8 +457,9 @@ impl Run<'_> {
     }
 
     fn warn_of_areas(&mut self, model: &Model) {
-        // Under the splice cells go on behind the interface: their areas need not sum to the region's.
-        let points = model.points.iter().filter(|_| model.splice.is_none());
+        // Where cells go on behind the interface, their areas need not sum to the region's.
+        let is_truss = matches!(model.settings.coupling, Coupling::Truss(_));
+        let points = model.points.iter().filter(|_| is_truss);
         for points in points {
             let first = model.fe_node_count();
             let areas = &model.areas[points.nodes.start - first..points.nodes.end - first];

@@ -93,6 +93,12 @@ pub struct Region {
     pub kernel: Option<Kernel>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub points: Option<Points>,
+    /// From the x axis to the lattice's, such as `20 deg`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle: Option<Scalar>,
+    /// A corner of the lattice's squares.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub origin: Option<[Scalar; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cell_area: Option<CellArea>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -158,15 +164,16 @@ pub enum SurfaceCorrection {
     LeastSquares,
 }
 
-/// `splice`, `truss`, or `truss: { node_area: … }`.
+/// `clip`, `splice`, `truss`, or `truss: { node_area: … }`.
 #[derive(Clone, Debug)]
 pub enum Coupling {
     Truss(Truss),
+    Clip,
     Splice,
 }
 
 /// The words that `coupling` knows.
-const COUPLINGS: &[&str] = &["truss", "splice"];
+const COUPLINGS: &[&str] = &["truss", "clip", "splice"];
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -200,6 +207,7 @@ impl Serialize for Coupling {
                 map.serialize_entry("truss", truss)?;
                 map.end()
             }
+            Coupling::Clip => serializer.serialize_str("clip"),
             Coupling::Splice => serializer.serialize_str("splice"),
         }
     }
@@ -212,12 +220,13 @@ impl<'de> Deserialize<'de> for Coupling {
             type Value = Coupling;
 
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("`splice`, `truss` or `truss: { node_area: … }`")
+                f.write_str("`clip`, `splice`, `truss` or `truss: { node_area: … }`")
             }
 
             fn visit_str<E: de::Error>(self, text: &str) -> Result<Coupling, E> {
                 match text {
                     "truss" => Ok(Coupling::default()),
+                    "clip" => Ok(Coupling::Clip),
                     "splice" => Ok(Coupling::Splice),
                     _ => Err(E::unknown_variant(text, COUPLINGS)),
                 }

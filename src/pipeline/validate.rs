@@ -208,7 +208,8 @@ fn cracks(plan: &Plan, mesh: &Mesh) -> Result<Cracks, InputError> {
 }
 
 /// The critical stretch of every bond and truss. Bonds with an end in a `no_fail` surface never
-/// break, nor do trusses unless the pipeline says so.
+/// break, nor do trusses unless the pipeline says so, nor what clipping leaves between two sides of
+/// finite elements.
 pub fn limits(plan: &Plan, model: &Model) -> Limits {
     let unbreakable = unbreakable_points(plan, model);
     let mut table = vec![CriticalStretch::UNBREAKABLE];
@@ -222,7 +223,7 @@ pub fn limits(plan: &Plan, model: &Model) -> Limits {
         }
     }
     let class = |spring: usize| {
-        let is_truss = spring >= model.bond_count && model.splice.is_none();
+        let is_truss = model.is_truss(spring);
         let mut nodes = model.springs.nodes(spring).iter();
         let held = nodes.any(|&node| unbreakable[node as usize]);
         if held || (is_truss && !plan.trusses_break) {

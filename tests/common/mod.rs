@@ -79,11 +79,7 @@ pub fn build(mesh: Mesh, regions: Vec<Region>, plane: PlaneState) -> Model {
 /// A square lattice as the paper has it: quartic kernel, m = 4, full areas.
 pub fn paper_lattice(spacing: f64, placement: Placement) -> PeridynamicSettings {
     PeridynamicSettings {
-        lattice: LatticeSettings {
-            spacing,
-            placement,
-            cell_area: CellArea::Full,
-        },
+        lattice: LatticeSettings::upright(spacing, placement, CellArea::Full),
         horizon_ratio: 4.0,
         kernel: Kernel::Quartic,
         partial_area: PartialArea::Full,

@@ -17,6 +17,7 @@
 //! bonds that cross it have the energy of just that length (10.008 mm for 10 mm, by `crack_length_m`).
 
 use peristitch::boundary::Boundary;
+use peristitch::coupling::Coupling;
 use peristitch::coupling::truss::NodeArea;
 use peristitch::cracks::Cracks;
 use peristitch::material::{Material, PlaneState};
@@ -82,7 +83,7 @@ fn stiffness(plate: Plate, [spacing, ratio]: [f64; 2], a: f64) -> Result<f64, Bo
     let settings = ModelSettings {
         plane: PlaneState::Stress,
         thickness: 1.0,
-        node_area: NodeArea::Lumped,
+        coupling: Coupling::Truss(NodeArea::Lumped),
     };
     let regions = regions(plate, &mesh, [spacing, ratio]);
     let model = Model::build(mesh, regions, settings)?.with_cracks(&crack);
@@ -107,11 +108,7 @@ fn regions(plate: Plate, mesh: &Mesh, [spacing, horizon_ratio]: [f64; 2]) -> Vec
         poisson: PlaneState::Stress.bond_based_poisson(),
     };
     let points = Method::Peridynamics(PeridynamicSettings {
-        lattice: LatticeSettings {
-            spacing,
-            placement: Placement::CellCentred,
-            cell_area: CellArea::Full,
-        },
+        lattice: LatticeSettings::upright(spacing, Placement::CellCentred, CellArea::Full),
         horizon_ratio,
         kernel: Kernel::Quartic,
         partial_area: PartialArea::Full,

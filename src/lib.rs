@@ -100,6 +100,8 @@
 //!   non-proportional loading. Engineering Fracture Mechanics 75, 5042–5056.
 //!
 //! Couplings:
+//! - Shapeev A. V. (2012). Consistent energy-based atomistic/continuum coupling for two-body potentials
+//!   in one and two dimensions. Multiscale Modeling & Simulation 9, 905–932.
 //! - Galvanetto U., Mudrić T., Shojaei A., Zaccariotto M. (2016). An effective way to couple FEM meshes
 //!   and Peridynamics grids for the solution of static equilibrium problems. Mechanics Research
 //!   Communications 76, 41–47. The splice.

@@ -610,7 +610,7 @@ fn keys_and_values() {
     assert_edit(
         "coupling: truss",
         "coupling: glue",
-        &["bar.yaml:16:11", "the only one is `truss`"],
+        &["bar.yaml:16:11", "there are: `truss`, `clip`, `splice`"],
     );
     let fields = [
         "bar.yaml:16:20",

@@ -431,7 +431,8 @@ mod tests {
                 .iter()
                 .find(|&&(n, _)| n == mirrored)
                 .expect("its image");
-            assert!((w - other.1).abs() < 1e-15);
+            // Sums of sixteen products whose positions carry rounding of 1e-16.
+            assert!((w - other.1).abs() < 5e-15);
         }
     }
 

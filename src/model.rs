@@ -383,7 +383,7 @@ impl Model {
             let mut lattice = self.lattice(index, &turned, &settings.lattice);
             if self.splice.is_some() && !self.interface_segments(index).is_empty() {
                 // The lattice goes on behind the interface: it cuts no cell.
-                let sites = self.sites(&outline, &settings);
+                let sites = self.sites(&turned, &settings);
                 let dx = settings.lattice.spacing;
                 let positions = lattice.positions.iter();
                 let shares = positions.map(|&x| sites.shares[sites.nearest(x)]);

@@ -180,8 +180,9 @@ impl<'a> Solver<'a> {
 
     /// The same for a body in which bonds break, under each of `cases`, which prescribe displacements
     /// on the same dofs. A chunk may hang on a hinge: K is positive semidefinite, so that a pivot
-    /// vanishes where such a mechanism begins, and holding that dof holds it: without force, if no load
-    /// acts along it, which the residual of the free system tells. `mechanisms` collects these dofs;
+    /// vanishes where such a mechanism begins (where K is not symmetric, LU probes for the motion), and
+    /// holding that dof holds it: without force, if no load acts along it, which the residual of the free
+    /// system tells. `mechanisms` collects these dofs;
     /// since bonds never heal, they stay.
     ///
     /// # Errors

@@ -200,6 +200,31 @@ fn turned_and_shifted_islands() {
     assert!(quadratic <= 1e-12, "{quadratic:e}");
 }
 
+/// A lattice turned against the mesh, whose corner lies anywhere.
+#[test]
+fn turned_and_shifted_lattices() {
+    let mut lattice = isotropised(Placement::CellCentred);
+    lattice.lattice.angle = f64::to_radians(20.0);
+    lattice.lattice.origin = Some([0.3 * DX, 0.2 * DX]);
+    for (kind, h, cells) in [
+        (CellKind::Quad8, 2.5, 6),
+        (CellKind::Quad8, 4.0, 5),
+        (CellKind::Quad4, 1.0, 14),
+        (CellKind::Tri6, 4.0, 5),
+        (CellKind::Tri3, 2.0, 8),
+    ] {
+        for l in [false, true] {
+            let model = model(kind, h, cells, l, lattice);
+            let linear = worst(&model, &LINEAR);
+            assert!(linear <= 1e-12, "{kind:?}, h = {h} dx, L {l}: {linear:e}");
+            if kind == CellKind::Quad8 {
+                let quadratic = worst(&model, &QUADRATIC);
+                assert!(quadratic <= 1e-12, "h = {h} dx, L {l}: {quadratic:e}");
+            }
+        }
+    }
+}
+
 fn meshed(geometry: &str, parameters: &[(&str, f64)]) -> Mesh {
     let options = Options {
         worker: Some(env!("CARGO_BIN_EXE_peristitch").into()),

@@ -15,6 +15,7 @@
 use crate::fem::locate::Locator;
 use crate::geometry::nearest_on_segment;
 use crate::mesh::Mesh;
+use crate::peridynamics::axes::Axes;
 use crate::peridynamics::bonds::family_offsets;
 use crate::peridynamics::kernel::Micromodulus;
 use crate::peridynamics::lattice::Sites;
@@ -171,7 +172,9 @@ fn are_opposite(first: &[[f64; 2]], second: &[[f64; 2]]) -> bool {
 
 /// The lattice of one region, continued over the body, with the material points on it.
 pub struct SplicedLattice {
-    pub sites: Sites,
+    /// Along the lattice's axes.
+    sites: Sites,
+    axes: Axes,
     /// The node of the material point at each site.
     node_at: Vec<Option<u32>>,
 }
@@ -189,12 +192,21 @@ const ROUNDING: f64 = 1e-9;
 
 impl SplicedLattice {
     /// `points`: of the region, whose nodes count from `first_node` [m].
-    pub fn new(sites: Sites, points: &[[f64; 2]], first_node: u32) -> SplicedLattice {
+    pub fn new(sites: Sites, axes: Axes, points: &[[f64; 2]], first_node: u32) -> SplicedLattice {
         let mut node_at = vec![None; sites.shares.len()];
         for (k, &x) in points.iter().enumerate() {
-            node_at[sites.nearest(x)] = Some(first_node + k as u32);
+            node_at[sites.nearest(axes.local(x))] = Some(first_node + k as u32);
         }
-        SplicedLattice { sites, node_at }
+        SplicedLattice {
+            sites,
+            axes,
+            node_at,
+        }
+    }
+
+    /// [m].
+    fn position(&self, site: usize) -> [f64; 2] {
+        self.axes.global(self.sites.position(site))
     }
 
     /// The site some columns and rows away, if the grid reaches as far.
@@ -220,7 +232,7 @@ impl SplicedLattice {
     /// # Errors
     /// [`SpliceError::NoBlock`].
     pub fn interpolate(&self, x: [f64; 2]) -> Result<Vec<(u32, f64)>, SpliceError> {
-        let at = self.sites.coordinates(x).map(|c| {
+        let at = self.sites.coordinates(self.axes.local(x)).map(|c| {
             let whole = c.round();
             if (c - whole).abs() < ROUNDING {
                 whole
@@ -339,7 +351,7 @@ pub fn ghost_bonds(
                 continue;
             }
             let share = lattice.sites.shares[other];
-            let ghost = lattice.sites.position(other);
+            let ghost = lattice.position(other);
             let held = *found[other].get_or_insert_with(|| {
                 // Off the body, whatever the slack of the elements.
                 if share > 0.0 {
@@ -359,7 +371,7 @@ pub fn ghost_bonds(
                 None => is_cut = true,
             }
         }
-        let [x, y] = lattice.sites.position(site);
+        let [x, y] = lattice.position(site);
         if is_cut && distance([x, y], free) > 2.0 * micromodulus.reach() {
             let horizon = micromodulus.horizon;
             return Err(SpliceError::NarrowRing { x, y, horizon });
@@ -384,7 +396,7 @@ mod tests {
         let points: Vec<[f64; 2]> = (0..columns * rows)
             .map(|k| [k % columns, k / columns].map(|c| 0.05 + 0.1 * c as f64))
             .collect();
-        SplicedLattice::new(sites, &points, 7)
+        SplicedLattice::new(sites, Axes::new(0.0), &points, 7)
     }
 
     #[test]

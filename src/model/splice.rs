@@ -81,8 +81,10 @@ impl Model {
                 continue;
             }
             let failed = |error| self.splice_error(points.region, error);
+            let axes = settings.lattice.axes();
             let lattice = SplicedLattice::new(
-                self.sites(&points.outline, &settings),
+                self.sites(&axes.outline(&points.outline), &settings),
+                axes,
                 &self.positions[points.nodes.clone()],
                 points.nodes.start as u32,
             );
@@ -117,10 +119,12 @@ impl Model {
         Ok(())
     }
 
-    /// The lattice of a region continued over the body, as far as its bonds reach.
-    pub(super) fn sites(&self, outline: &Outline, settings: &PeridynamicSettings) -> Sites {
+    /// The lattice of a region continued over the body, as far as its bonds reach; `turned`: the
+    /// region's outline along the lattice's axes, as the sites are.
+    pub(super) fn sites(&self, turned: &Outline, settings: &PeridynamicSettings) -> Sites {
         let margin = settings.horizon_ratio.ceil() as usize + 1;
-        Sites::new(outline, &self.body_outline(), &settings.lattice, margin)
+        let body = settings.lattice.axes().outline(&self.body_outline());
+        Sites::new(turned, &body, &settings.lattice.along_axes(), margin)
     }
 
     fn splice_error(&self, region: usize, source: SpliceError) -> ModelError {
@@ -143,15 +147,18 @@ impl Model {
         bonds: &[GhostBond],
     ) -> Result<Vec<f64>, ModelError> {
         let region = &self.regions[points.region];
-        let surface = self.surface(region, &points.outline, settings, &points.micromodulus)?;
+        let axes = settings.lattice.axes();
+        let turned = axes.outline(&points.outline);
+        let surface = self.surface(region, &turned, settings, &points.micromodulus)?;
         let cell = points.micromodulus.spacing.powi(2);
         let first = self.fe_node_count();
         let stiffness = |bond: &GhostBond| {
-            let at = self.positions[bond.point as usize];
-            let along = [0, 1].map(|axis| bond.ghost[axis] - at[axis]);
+            let at = axes.local(self.positions[bond.point as usize]);
+            let ghost = axes.local(bond.ghost);
+            let along = [0, 1].map(|axis| ghost[axis] - at[axis]);
             let areas = [self.areas[bond.point as usize - first], bond.share * cell];
             let thickness = self.settings.thickness;
-            let factor = surface.as_ref().map_or(1.0, |s| s.factor(at, bond.ghost));
+            let factor = surface.as_ref().map_or(1.0, |s| s.factor(at, ghost));
             factor * points.micromodulus.axial_stiffness(along, areas, thickness)
         };
         Ok(bonds.par_iter().map(stiffness).collect())

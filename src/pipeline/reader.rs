@@ -469,12 +469,6 @@ impl Reader<'_> {
                 return Err(self.source.error(&key, message, Some(help.to_owned())));
             }
         };
-        let is_turned = value != 0.0;
-        if is_turned && matches!(self.spec.coupling, spec::Coupling::Splice) {
-            let message = "the splice knows lattices along x and y only".to_owned();
-            let help = "remove `angle`, or write `coupling: clip`".to_owned();
-            return Err(self.source.error(&key, message, Some(help)));
-        }
         Ok(if degrees.is_some() {
             value.to_radians()
         } else {

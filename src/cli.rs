@@ -352,13 +352,14 @@ fn check(plan: &Plan) -> Result<(), RunError> {
     println!(
         "  finite elements   {} with {} nodes",
         model.elements.len(),
-        model.fe_node_count()
+        model.fe_node_count() - model.inner_nodes().len()
     );
     println!("  material points   {}", model.areas.len());
+    let (ties, what) = model.ties();
     println!(
-        "  bonds, trusses    {}, {}",
-        model.bond_count,
-        model.springs.len() - model.bond_count
+        "  {:<18}{}, {ties}",
+        format!("bonds, {what}"),
+        model.bond_count
     );
     for interface in &model.interfaces {
         println!(

@@ -1,14 +1,16 @@
 //! One static solve, without artificial damping: K U = R, Qian et al. (2021), eq. (11).
 
-use crate::assembly::{ElementStiffness, LowerMatrix, Pattern, mean_diagonal};
+mod structure;
+
+use crate::assembly::stiffness::Stiffness;
 use crate::boundary::Boundary;
-use crate::linear_solver::cholesky::{Factor, SolverError, Symbolic};
-use crate::linear_solver::ordering::{Ordering, elimination_order};
+use crate::linear_solver::{Factor, SolverError};
 use crate::model::Model;
 use crate::phases::{Phases, peak_memory};
 use crate::support::{self, NotHeld};
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
+use structure::Structure;
 use thiserror::Error;
 
 /// Displacements of all nodes, and what holds them.
@@ -16,7 +18,9 @@ use thiserror::Error;
 pub struct Solution {
     /// u of every node [m].
     pub displacement: Vec<[f64; 2]>,
-    /// Force that the supports exert at every node [N]; zero where nothing is prescribed.
+    /// Force that the supports exert at every node [N]; zero where nothing is prescribed. Under the
+    /// splice, what they exert on the overlap is left out: its part of the boundary is the material
+    /// points'.
     pub reaction: Vec<[f64; 2]>,
     /// ‖K u − f‖₂ / ‖f‖₂ over the free dofs, prescribed displacements in f.
     pub residual: f64,
@@ -95,15 +99,14 @@ impl Estimate {
     /// # Errors
     /// [`SolverError::Ordering`], [`SolverError::OutOfMemory`].
     pub fn new(model: &Model, boundary: &Boundary) -> Result<Estimate, StaticsError> {
-        let elements = model.element_stiffness();
-        let pattern = Pattern::new(model.node_count(), &model.springs, &elements);
-        let symbolic = Symbolic::new(pattern.symbolic(), &pattern.graph, Ordering::Metis)?;
-        let (entries, factor_entries) = (pattern.stored_entries(), symbolic.factor_entries());
-        let seconds = symbolic.flops() / FACTOR_RATE + entries as f64 / ENTRY_RATE;
+        let structure = Structure::new(model, &mut Phases::default())?;
+        let factor_entries = structure.factor_entries();
+        let entries = structure.stiffness_entries() as f64;
+        let seconds = structure.flops() / FACTOR_RATE + entries / ENTRY_RATE;
         Ok(Estimate {
             dofs: boundary.load.len(),
             factor_entries,
-            flops: symbolic.flops(),
+            flops: structure.flops(),
             bytes: peak_memory().unwrap_or(0) + 8 * factor_entries as u64,
             time: Duration::from_secs_f64(seconds),
         })
@@ -131,9 +134,7 @@ pub fn solve(
 pub struct Solver<'a> {
     model: &'a Model,
     boundary: &'a Boundary,
-    elements: Vec<ElementStiffness>,
-    pattern: Pattern,
-    symbolic: Symbolic,
+    structure: Structure,
 }
 
 impl<'a> Solver<'a> {
@@ -144,35 +145,19 @@ impl<'a> Solver<'a> {
         boundary: &'a Boundary,
         phases: &mut Phases,
     ) -> Result<Solver<'a>, StaticsError> {
-        let elements = phases.measure("elements", || model.element_stiffness());
-        let pattern = phases.measure("pattern", || {
-            Pattern::new(model.node_count(), &model.springs, &elements)
-        });
-        let order = phases
-            .measure("ordering", || {
-                elimination_order(Ordering::Metis, &pattern.graph)
-            })
-            .map_err(|status| SolverError::Ordering {
-                nodes: pattern.nodes(),
-                status,
-            })?;
-        let symbolic = phases.measure("symbolic", || {
-            Symbolic::with_order(pattern.symbolic(), order.as_deref())
-        })?;
+        let structure = Structure::new(model, phases)?;
         Ok(Solver {
             model,
             boundary,
-            elements,
-            pattern,
-            symbolic,
+            structure,
         })
     }
 
     pub fn size(&self) -> SystemSize {
         SystemSize {
             dofs: self.boundary.load.len(),
-            stiffness_entries: self.pattern.stored_entries(),
-            factor_entries: self.symbolic.factor_entries(),
+            stiffness_entries: self.structure.stiffness_entries(),
+            factor_entries: self.structure.factor_entries(),
         }
     }
 
@@ -188,15 +173,16 @@ impl<'a> Solver<'a> {
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
         let system = self.system(intact, pinned, &BTreeSet::new(), phases);
-        let factor = phases.measure("factorisation", || self.symbolic.factorise(&system.held));
-        let factor = factor.map_err(|error| locate(self.model, &self.pattern, error))?;
+        let factor = phases.measure("factorisation", || self.structure.factorise(&system.held));
+        let factor = factor.map_err(|error| self.locate(error))?;
         self.finish(&system, &system.case(self.boundary), &factor, phases)
     }
 
     /// The same for a body in which bonds break, under each of `cases`, which prescribe displacements
     /// on the same dofs. A chunk may hang on a hinge: K is positive semidefinite, so that a pivot
-    /// vanishes where such a mechanism begins, and holding that dof holds it: without force, if no load
-    /// acts along it, which the residual of the free system tells. `mechanisms` collects these dofs;
+    /// vanishes where such a mechanism begins (where K is not symmetric, LU probes for the motion), and
+    /// holding that dof holds it: without force, if no load acts along it, which the residual of the free
+    /// system tells. `mechanisms` collects these dofs;
     /// since bonds never heal, they stay.
     ///
     /// # Errors
@@ -211,7 +197,7 @@ impl<'a> Solver<'a> {
     ) -> Result<Vec<Solution>, StaticsError> {
         loop {
             let system = self.system(intact, pinned, mechanisms, phases);
-            let factor = phases.measure("factorisation", || self.symbolic.factorise(&system.held));
+            let factor = phases.measure("factorisation", || self.structure.factorise(&system.held));
             match factor {
                 Ok(factor) => {
                     let solve = |boundary: &&Boundary| {
@@ -221,8 +207,9 @@ impl<'a> Solver<'a> {
                     return solutions.map_err(|error| self.swings(error, mechanisms));
                 }
                 // The set grows with every turn, so that the loop ends.
-                Err(SolverError::NotPositiveDefinite { dof }) if mechanisms.insert(dof) => {}
-                Err(error) => return Err(locate(self.model, &self.pattern, error)),
+                Err(SolverError::NotPositiveDefinite { dof } | SolverError::Singular { dof })
+                    if mechanisms.insert(dof) => {}
+                Err(error) => return Err(self.locate(error)),
             }
         }
     }
@@ -253,13 +240,11 @@ impl<'a> Solver<'a> {
         let Solver {
             model,
             boundary,
-            elements,
-            pattern,
-            ..
+            structure,
         } = self;
         let stiffness = phases.measure("assembly", || {
             let springs = model.springs.with(intact);
-            pattern.assemble(&model.positions, &springs, elements)
+            structure.assemble(&model.positions, &springs)
         });
         phases.measure("supports", || {
             System::new(stiffness, boundary, pinned, mechanisms)
@@ -282,6 +267,21 @@ impl<'a> Solver<'a> {
         };
         check(self.model, &solution)?;
         Ok(solution)
+    }
+
+    fn locate(&self, error: SolverError) -> StaticsError {
+        let (SolverError::NotPositiveDefinite { dof } | SolverError::Singular { dof }) = error
+        else {
+            return error.into();
+        };
+        let node = dof / 2;
+        let [x, y] = self.model.positions[node];
+        StaticsError::Mechanism {
+            what: kind(self.model, node),
+            x,
+            y,
+            springs: self.structure.springs_at(node).len(),
+        }
     }
 }
 
@@ -313,26 +313,12 @@ fn kind(model: &Model, node: usize) -> &'static str {
     }
 }
 
-fn locate(model: &Model, pattern: &Pattern, error: SolverError) -> StaticsError {
-    let SolverError::NotPositiveDefinite { dof } = error else {
-        return error.into();
-    };
-    let node = dof / 2;
-    let [x, y] = model.positions[node];
-    StaticsError::Mechanism {
-        what: kind(model, node),
-        x,
-        y,
-        springs: pattern.springs_at(node).len(),
-    }
-}
-
 /// K with its supports.
 struct System {
     /// K as assembled [N/m].
-    stiffness: LowerMatrix,
+    stiffness: Stiffness,
     /// K with a positive diagonal alone in the rows and columns of held dofs.
-    held: LowerMatrix,
+    held: Stiffness,
     /// Dofs of pinned parts.
     pinned: Vec<usize>,
 }
@@ -341,25 +327,27 @@ struct System {
 struct Case<'a> {
     /// [m].
     prescribed: Vec<Option<f64>>,
-    /// f [N].
-    load: &'a [f64],
+    /// f, loads on the overlap of a splice included [N].
+    load: Vec<f64>,
+    /// Of [`Boundary::own_share`].
+    own_share: &'a BTreeMap<usize, f64>,
 }
 
 impl System {
     fn new(
-        stiffness: LowerMatrix,
+        stiffness: Stiffness,
         boundary: &Boundary,
         pinned: &[Vec<usize>],
         mechanisms: &BTreeSet<usize>,
     ) -> System {
         let nodes = pinned.iter().flatten();
         let pinned: Vec<usize> = nodes.flat_map(|&n| [2 * n, 2 * n + 1]).collect();
-        let mut is_held = vec![false; stiffness.ncols()];
+        let mut is_held = vec![false; stiffness.dofs()];
         let supports = boundary.prescribed.keys();
         for &dof in supports.chain(&pinned).chain(mechanisms) {
             is_held[dof] = true;
         }
-        let held = hold(&stiffness, &is_held, mean_diagonal(&stiffness));
+        let held = stiffness.hold(&is_held);
         System {
             stiffness,
             held,
@@ -377,7 +365,13 @@ impl System {
         }
         Case {
             prescribed,
-            load: &boundary.load,
+            load: boundary
+                .load
+                .iter()
+                .zip(&boundary.overlap_load)
+                .map(|(a, b)| a + b)
+                .collect(),
+            own_share: &boundary.own_share,
         }
     }
 
@@ -410,7 +404,7 @@ impl System {
 
     /// f − K u at free dofs, zero at prescribed ones [N].
     fn residual(&self, case: &Case, u: &[f64]) -> Vec<f64> {
-        let mut residual = multiply(&self.stiffness, u);
+        let mut residual = self.stiffness.multiply(u);
         for (dof, r) in residual.iter_mut().enumerate() {
             *r = if case.prescribed[dof].is_some() {
                 0.0
@@ -423,13 +417,16 @@ impl System {
 
     /// K u − f at prescribed dofs, by node [N].
     fn reaction(&self, case: &Case, u: &[f64]) -> Vec<[f64; 2]> {
-        let mut reaction = multiply(&self.stiffness, u);
+        let mut reaction = self.stiffness.multiply(u);
         for (dof, r) in reaction.iter_mut().enumerate() {
             *r = if case.prescribed[dof].is_some() {
                 *r - case.load[dof]
             } else {
                 0.0
             };
+        }
+        for (&dof, share) in case.own_share {
+            reaction[dof] *= share;
         }
         vectors(&reaction)
     }
@@ -450,45 +447,4 @@ fn vectors(dofs: &[f64]) -> Vec<[f64; 2]> {
 
 fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// Clears the rows and columns of held dofs and puts `diagonal` there, on the same pattern.
-fn hold(matrix: &LowerMatrix, is_held: &[bool], diagonal: f64) -> LowerMatrix {
-    let mut held = matrix.clone();
-    let (symbolic, values) = held.parts_mut();
-    for column in 0..symbolic.ncols() {
-        let range = symbolic.col_range(column);
-        let rows = &symbolic.row_idx()[range.clone()];
-        for (&row, value) in rows.iter().zip(&mut values[range]) {
-            if is_held[column] || is_held[row as usize] {
-                *value = if row as usize == column {
-                    diagonal
-                } else {
-                    0.0
-                };
-            }
-        }
-    }
-    held
-}
-
-/// K u from the lower triangle of K.
-fn multiply(matrix: &LowerMatrix, u: &[f64]) -> Vec<f64> {
-    let mut product = vec![0.0; u.len()];
-    for column in 0..matrix.ncols() {
-        let mut sum = 0.0;
-        for (&row, &value) in matrix
-            .row_idx_of_col_raw(column)
-            .iter()
-            .zip(matrix.val_of_col(column))
-        {
-            let row = row as usize;
-            sum += value * u[row];
-            if row != column {
-                product[row] += value * u[column];
-            }
-        }
-        product[column] += sum;
-    }
-    product
 }

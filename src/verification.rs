@@ -77,6 +77,7 @@ pub fn ladder() -> Vec<Case> {
         quick("energy of a cut", moduli::measure_energy_release),
         quick("strips", strips::measure),
         quick("linear patch", patches::measure_linear),
+        quick("quadratic patch", patches::measure_quadratic),
         quick("overall equilibrium", patches::measure_balance),
         quick("damage beside a crack", cracks::measure_damage),
         quick("Table 1", table_1::measure),

@@ -348,12 +348,14 @@ fn regions() {
     let overlap = ["bar.yaml:11:12", "`left+band` and `band` overlap: 16 cells"];
     assert_edit("[left, right]", "[left, band]", &overlap);
     let left =
-        "- { group: left, model: peridynamics, material: solid, spacing: 12.5 mm, horizon: 4 }";
-    assert_edit(
-        fem,
-        left,
-        &["bar.yaml:11:12", "`left` and `band` touch", "one region"],
-    );
+        "- { group: left, model: peridynamics, material: solid, spacing: 25 mm, horizon: 4 }";
+    let lattices = [
+        "bar.yaml:11:12",
+        "`left` and `band` touch, and their lattices differ",
+        "share one lattice",
+        "one region",
+    ];
+    assert_edit(fem, left, &lattices);
     let large = ["bar.yaml:14:14", "no material point", "smaller `spacing`"];
     assert_edit("12.5 mm", "500 mm", &large);
     let tiny = [
@@ -610,7 +612,7 @@ fn keys_and_values() {
     assert_edit(
         "coupling: truss",
         "coupling: glue",
-        &["bar.yaml:16:11", "the only one is `truss`"],
+        &["bar.yaml:16:11", "there are: `truss`, `clip`, `splice`"],
     );
     let fields = [
         "bar.yaml:16:20",

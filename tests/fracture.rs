@@ -156,7 +156,7 @@ fn limits(model: &Model) -> Limits {
     };
     let young = steel().young;
     let micromodulus = &model.points[0].micromodulus;
-    let class = |spring| u8::from(spring < model.bond_count);
+    let class = |spring| u32::from(spring < model.bond_count);
     Limits {
         table: vec![
             CriticalStretch::UNBREAKABLE,

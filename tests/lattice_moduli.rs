@@ -40,11 +40,7 @@ fn rectangle(columns: f64, rows: f64) -> Outline {
 }
 
 fn points(outline: &Outline, cell_area: CellArea) -> Lattice {
-    let settings = LatticeSettings {
-        spacing: DX,
-        placement: Placement::CellCentred,
-        cell_area,
-    };
+    let settings = LatticeSettings::upright(DX, Placement::CellCentred, cell_area);
     lattice(outline, &[], &settings)
 }
 

@@ -55,6 +55,8 @@ const CELLS: LatticeSettings = LatticeSettings {
     spacing: DX,
     placement: Placement::CellCentred,
     cell_area: CellArea::Clipped,
+    angle: 0.0,
+    origin: None,
 };
 
 fn micromodulus(kernel: Kernel, m: f64, plane: PlaneState) -> Micromodulus {

@@ -10,6 +10,7 @@ mod common;
 
 use common::*;
 use peristitch::boundary::Boundary;
+use peristitch::coupling::Coupling;
 use peristitch::coupling::truss::NodeArea;
 use peristitch::fem::edge::EdgeLoad;
 use peristitch::material::PlaneState;
@@ -26,6 +27,8 @@ const PAPER: Method = Method::Peridynamics(PeridynamicSettings {
         spacing: 2.5e-3,
         placement: Placement::GridNodes,
         cell_area: CellArea::Full,
+        angle: 0.0,
+        origin: None,
     },
     horizon_ratio: 4.0,
     kernel: Kernel::Quartic,
@@ -53,7 +56,7 @@ fn tip(mesh: Mesh, regions: Vec<Region>, rollers: bool) -> f64 {
     let settings = ModelSettings {
         plane: PlaneState::Stress,
         thickness: 1.0,
-        node_area: NodeArea::Lumped,
+        coupling: Coupling::Truss(NodeArea::Lumped),
     };
     let corner = mesh
         .nodes

@@ -34,7 +34,14 @@ impl PointFields {
         let first = model.fe_node_count();
         let mut family = vec![Matrix3::zeros(); model.areas.len()];
         let mut carried = vec![Vector3::zeros(); model.areas.len()];
-        for (bond, &pair) in model.springs.pairs()[..model.bond_count].iter().enumerate() {
+        let pairs = model.springs.pairs();
+        let bonds = pairs[..model.bond_count].iter().enumerate();
+        let ends = bonds.flat_map(|(bond, pair)| pair.map(|node| (bond, node)));
+        let of_clip = model.clipped.iter();
+        let clipped = of_clip.map(|c| (pairs.len() + c.spring as usize, c.point));
+        let ghosts = model.splice.iter().flat_map(|splice| &splice.ghosts);
+        let of_ghosts = (pairs.len()..).zip(ghosts.map(|ghost| ghost.point));
+        for (bond, node) in ends.chain(clipped).chain(of_ghosts) {
             let (xi, [nx, ny]) = model.springs.axis(bond, &model.positions);
             let q = Vector3::new(nx * nx, ny * ny, nx * ny);
             let weight = model.springs.stiffness[bond] * xi * xi;
@@ -42,10 +49,8 @@ impl PointFields {
                 true => model.springs.stretch(bond, &model.positions, displacement),
                 false => 0.0,
             };
-            for node in pair {
-                family[node as usize - first] += weight * q * q.transpose();
-                carried[node as usize - first] += weight * stretch * q;
-            }
+            family[node as usize - first] += weight * q * q.transpose();
+            carried[node as usize - first] += weight * stretch * q;
         }
         let mut fields = PointFields::default();
         let plane = model.settings.plane;

@@ -50,20 +50,14 @@ pub(super) fn damage_picture(
 
 /// Every material point, in the order of the nodes.
 pub(super) fn dots(model: &Model) -> Vec<Dot> {
-    let points = model.points.iter();
-    let dot = |(node, side, region): (usize, f64, usize)| Dot {
+    let dot = |node: usize, side: f64| Dot {
         centre: model.positions[node],
         side,
-        region,
+        region: model.region_of_point(node).expect("a material point"),
     };
-    points
-        .flat_map(|p| {
-            p.nodes
-                .clone()
-                .map(|n| (n, p.micromodulus.spacing, p.region))
-        })
-        .map(dot)
-        .collect()
+    let points = model.points.iter();
+    let dots = points.flat_map(|p| p.nodes.clone().map(|n| dot(n, p.micromodulus.spacing)));
+    dots.collect()
 }
 
 /// How often the picture of a run that goes is drawn again: seldom enough to cost under a hundredth

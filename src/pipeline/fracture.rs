@@ -382,14 +382,16 @@ pub(super) fn forget_frames(folder: &Path) -> Result<(), RunError> {
 fn crack_lengths(model: &Model, limits: &Limits) -> Vec<f64> {
     let mut lengths = vec![0.0; model.springs.len()];
     for (spring, length) in lengths.iter_mut().enumerate() {
-        let region = model.region_of_spring(spring);
-        let points = region.and_then(|r| model.points.iter().find(|p| p.region == r));
+        let regions = model.regions_of_spring(spring);
+        let points = regions.and_then(|[r, _]| model.points_of(r));
         let breakable = limits.of(spring).tension.is_finite();
         if let (true, Some(points)) = (breakable, points) {
             let xi = model.springs.length(spring, &model.positions);
             // The critical stretch cancels.
-            let energy = 0.5 * model.springs.stiffness[spring] * xi * xi;
-            let rate = points.micromodulus.c0 * points.micromodulus.third_moment();
+            let stiffness = model.bond_share(spring) * model.springs.stiffness[spring];
+            let energy = 0.5 * stiffness * xi * xi;
+            let c0 = model.material_factor(spring) * points.micromodulus.c0;
+            let rate = c0 * points.micromodulus.third_moment();
             *length = energy / (rate * model.settings.thickness);
         }
     }

@@ -8,6 +8,7 @@ use super::run::RunError;
 use super::solved::Course;
 use crate::fem::element::MappedPoint;
 use crate::geometry::{chords, chords_of};
+use crate::model::Method;
 use crate::output::picture::{
     self, Axis, Chart, Curve, FieldPicture, Filling, Mark, MeshPicture, Patch, Square,
 };
@@ -144,11 +145,14 @@ impl Outcome<'_> {
 
     fn mesh_picture(&self) -> MeshPicture {
         let model = self.model;
+        let dots = dots(model);
         let region = |(index, region): (usize, &crate::model::Region)| {
-            let points = model.points.iter().find(|p| p.region == index);
-            let (name, filling, count) = match points {
-                Some(points) => ("peridynamics", Filling::Points, points.nodes.len()),
-                None => ("finite elements", Filling::Cells, region.cells.len()),
+            let (name, filling, count) = match region.method {
+                Method::Peridynamics(_) => {
+                    let points = dots.iter().filter(|dot| dot.region == index);
+                    ("peridynamics", Filling::Points, points.count())
+                }
+                Method::FiniteElements => ("finite elements", Filling::Cells, region.cells.len()),
             };
             picture::Region {
                 name: region.name.clone(),
@@ -170,8 +174,8 @@ impl Outcome<'_> {
         MeshPicture {
             title: format!("{}: mesh and regions", self.plan.name),
             regions: model.regions.iter().enumerate().map(region).collect(),
+            points: dots,
             cells: model.elements.iter().map(patch).collect(),
-            points: dots(model),
             interfaces: edges.map(|e| chords(e, &model.mesh.nodes)).collect(),
             cracks: cracks.map(|edge| chords(edge, &model.mesh.nodes)).collect(),
         }

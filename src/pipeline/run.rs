@@ -7,12 +7,13 @@ use super::fracture::{self, Fractured, HISTORY_FILE, forget_checkpoint, frame_fi
 use super::meshing::{mesh_geometry, to_mesh};
 use super::plan::{Loading, Plan};
 use super::recipe::recipe;
-use super::results::{Outcome, ResultsError};
+use super::results::{Outcome, ResultsError, lattice_name};
 use super::solved::{Course, Solved, StoredSolution};
 use super::source::InputError;
 use super::stamp::{self, Manifest, Reasons, Recipe, Stage};
 use super::validate::discretise;
 use crate::boundary::Boundary;
+use crate::coupling::Coupling;
 use crate::gmsh::{self, Extract, GmshError};
 use crate::model::Model;
 use crate::output::{WriteError, write_whole};
@@ -456,14 +457,17 @@ impl Run<'_> {
     }
 
     fn warn_of_areas(&mut self, model: &Model) {
-        for points in &model.points {
+        // Where cells go on behind the interface, their areas need not sum to the region's.
+        let is_truss = matches!(model.settings.coupling, Coupling::Truss(_));
+        let points = model.points.iter().filter(|_| is_truss);
+        for points in points {
             let first = model.fe_node_count();
             let areas = &model.areas[points.nodes.start - first..points.nodes.end - first];
             let share = areas.iter().sum::<f64>() / points.area;
             if (share - 1.0).abs() > AREA_WARNING {
                 self.observer.warns(&format!(
                     "the material points of `{}` stand for {:.2} % of its area",
-                    model.regions[points.region].name,
+                    lattice_name(model, points),
                     100.0 * share
                 ));
             }
@@ -543,11 +547,10 @@ fn read_stored<T: for<'de> Deserialize<'de>>(path: &Path) -> Option<(T, Vec<u8>)
 /// The solve stage in one line.
 fn describe(model: &Model, solved: &Solved) -> String {
     let Solution { size, residual, .. } = &solved.solution;
+    let (ties, what) = model.ties();
     let size = format!(
-        "{} unknowns, {} bonds, {} trusses",
-        size.dofs,
-        model.bond_count,
-        model.springs.len() - model.bond_count
+        "{} unknowns, {} bonds, {ties} {what}",
+        size.dofs, model.bond_count
     );
     match &solved.fracture {
         None => format!("{size}; residual {residual:.0e}"),

@@ -7,6 +7,7 @@
 use super::bodies::{build, default_lattice, material, region, solve};
 use super::{Check, Reference, VerificationError};
 use crate::boundary::Boundary;
+use crate::coupling::Coupling;
 use crate::cracks::Cracks;
 use crate::mesh::grid::{Grid, name_cells};
 use crate::mesh::{CellKind, Edge, Mesh};
@@ -51,7 +52,7 @@ fn compliance(a: f64, dx: f64) -> Result<f64, VerificationError> {
         region(&mesh, &["arms"], material(1.0), Method::FiniteElements),
         region(&mesh, &["band"], material(1.0), points),
     ];
-    let model = build(mesh, regions, 1.0)?.with_cracks(&cracks);
+    let model = build(mesh, regions, Coupling::Clip)?.with_cracks(&cracks);
     let mut boundary = Boundary::new(&model);
     let node = |at: [f64; 2]| super::bodies::nearest(&model.positions, at);
     let supports = [-1.0, 1.0].map(|side| node([HALF + side * 0.5 * SPAN, 0.0]));

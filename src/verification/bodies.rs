@@ -2,6 +2,7 @@
 
 use super::VerificationError;
 use crate::boundary::Boundary;
+use crate::coupling::Coupling;
 use crate::coupling::truss::NodeArea;
 use crate::material::{Material, PlaneState};
 use crate::mesh::{Edge, Mesh};
@@ -24,11 +25,7 @@ pub fn material(young: f64) -> Material {
 /// is dx [m].
 pub fn paper_lattice(spacing: f64) -> PeridynamicSettings {
     PeridynamicSettings {
-        lattice: LatticeSettings {
-            spacing,
-            placement: Placement::CellCentred,
-            cell_area: CellArea::Full,
-        },
+        lattice: LatticeSettings::upright(spacing, Placement::CellCentred, CellArea::Full),
         horizon_ratio: 4.0,
         kernel: Kernel::Quartic,
         partial_area: PartialArea::Full,
@@ -65,12 +62,22 @@ pub fn region(mesh: &Mesh, groups: &[&str], material: Material, method: Method) 
     }
 }
 
-/// In plane stress, of the thickness h_t [m], joined by trusses with lumped areas.
-pub fn build(mesh: Mesh, regions: Vec<Region>, thickness: f64) -> Result<Model, VerificationError> {
+/// The paper's coupling, by the reading of its Table 1.
+pub const TRUSS: Coupling = Coupling::Truss(NodeArea::Lumped);
+
+/// In plane stress, of the thickness 1 m.
+///
+/// # Errors
+/// What [`Model::build`] reports.
+pub fn build(
+    mesh: Mesh,
+    regions: Vec<Region>,
+    coupling: Coupling,
+) -> Result<Model, VerificationError> {
     let settings = ModelSettings {
         plane: PlaneState::Stress,
-        thickness,
-        node_area: NodeArea::Lumped,
+        thickness: 1.0,
+        coupling,
     };
     Ok(Model::build(mesh, regions, settings)?)
 }

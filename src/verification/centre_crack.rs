@@ -11,9 +11,10 @@
 //! between two rows of points and ends between two columns; its length is that of the curve, since the
 //! bonds that cross it have the energy of just that length (10.008 mm for 10 mm, by `crack_length_m`).
 
-use super::bodies::{build, default_lattice, material, paper_lattice, region, solve};
 use super::VerificationError;
+use super::bodies::{TRUSS, build, default_lattice, material, paper_lattice, region, solve};
 use crate::boundary::Boundary;
+use crate::coupling::Coupling;
 use crate::cracks::Cracks;
 use crate::mesh::{Cell, CellKind, Edge, Mesh};
 use crate::model::{Method, PeridynamicSettings, Region};
@@ -36,17 +37,17 @@ pub const FACTOR: f64 = 1.016;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plate {
     Peridynamics,
-    /// Q8 elements above and below a band of material points, tied by trusses.
+    /// Q8 elements above and below a band of material points.
     Hybrid,
 }
 
 /// What its points are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Points {
-    /// The paper's: raw micromodulus, no surface correction.
+    /// The paper's: raw micromodulus, no surface correction, trusses.
     Paper,
-    /// The defaults of pipelines: isotropised, surfaces corrected by force.
-    Default,
+    /// The defaults of pipelines: isotropised, surfaces corrected by force; the hybrid by clipped bonds.
+    Corrected,
 }
 
 /// Figures over their references.
@@ -68,15 +69,18 @@ pub fn ratios(
     ratio: f64,
 ) -> Result<Ratios, VerificationError> {
     let spacing = horizon * CRACK / ratio;
-    let lattice = match points {
-        Points::Paper => paper_lattice(spacing),
-        Points::Default => default_lattice(spacing),
+    let (lattice, coupling) = match points {
+        Points::Paper => (paper_lattice(spacing), TRUSS),
+        Points::Corrected => (default_lattice(spacing), Coupling::Clip),
     };
     let settings = PeridynamicSettings {
         horizon_ratio: ratio,
         ..lattice
     };
-    let stiffness = |columns: f64| stiffness(plate, settings, CRACK + columns * spacing);
+    let stiffness = |columns: f64| {
+        let a = CRACK + columns * spacing;
+        stiffness(plate, settings, coupling, a)
+    };
     let middle = stiffness(0.0)?;
     let rate = -0.5 * (stiffness(1.0)? - stiffness(-1.0)?) / (4.0 * spacing);
     // K = √(E G) over the mean stress k u / W.
@@ -92,12 +96,13 @@ pub fn ratios(
 fn stiffness(
     plate: Plate,
     settings: PeridynamicSettings,
+    coupling: Coupling,
     a: f64,
 ) -> Result<f64, VerificationError> {
     let mesh = mesh(plate, settings.horizon_ratio * settings.lattice.spacing, a);
     let crack = Cracks::new(&mesh, &mesh.curves["crack"]);
     let regions = regions(plate, &mesh, settings);
-    let model = build(mesh, regions, 1.0)?.with_cracks(&crack);
+    let model = build(mesh, regions, coupling)?.with_cracks(&crack);
     let mut boundary = Boundary::new(&model);
     boundary.displace(&model, "bottom", [None, Some(-0.5)])?;
     boundary.displace(&model, "top", [None, Some(0.5)])?;

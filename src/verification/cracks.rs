@@ -1,6 +1,6 @@
 //! The damage beside a straight crack, eq. (7), and the plate with a centre crack.
 
-use super::bodies::{build, material, nearest, paper_lattice, region};
+use super::bodies::{TRUSS, build, material, nearest, paper_lattice, region};
 use super::centre_crack::{Plate, Points, ratios};
 use super::{Check, Reference, VerificationError};
 use crate::cracks::Cracks;
@@ -27,7 +27,7 @@ pub fn measure_damage() -> Result<Vec<Check>, VerificationError> {
     let cracks = Cracks::new(&mesh, &[crack]);
     let points = Method::Peridynamics(paper_lattice(1.0));
     let regions = vec![region(&mesh, &["points"], material(1.0), points)];
-    let model = build(mesh, regions, 1.0)?.with_cracks(&cracks);
+    let model = build(mesh, regions, TRUSS)?.with_cracks(&cracks);
     let beside = nearest(&model.positions, [20.5, 9.5]);
     Ok(vec![Check {
         case: "damage beside a crack",
@@ -51,9 +51,9 @@ pub fn measure_centre_crack() -> Result<Vec<Check>, VerificationError> {
         source,
         measured,
     };
-    let coarse = ratios(Plate::Peridynamics, Points::Default, 0.4, 4.0)?;
-    let fine = ratios(Plate::Peridynamics, Points::Default, 0.2, 4.0)?;
-    let hybrid = ratios(Plate::Hybrid, Points::Default, 0.2, 4.0)?;
+    let coarse = ratios(Plate::Peridynamics, Points::Corrected, 0.4, 4.0)?;
+    let fine = ratios(Plate::Peridynamics, Points::Corrected, 0.2, 4.0)?;
+    let hybrid = ratios(Plate::Hybrid, Points::Corrected, 0.2, 4.0)?;
     const FEM: &str = "finite elements";
     const HANDBOOK: &str = "geometry factor 1.016";
     checks.push(check("k, PD, δ/a = 0.4", 0.03, FEM, coarse.stiffness));

@@ -11,6 +11,7 @@
 use super::bodies::{build, default_lattice, material, region, solve};
 use super::{Check, Reference, VerificationError};
 use crate::boundary::Boundary;
+use crate::coupling::Coupling;
 use crate::fields::points::PointFields;
 use crate::mesh::grid::name_cells;
 use crate::mesh::patchwork::{Patch, on_circle, on_square, patchwork};
@@ -81,7 +82,7 @@ pub fn profile(disc: Disc, per_diameter: usize) -> Result<Vec<[f64; 3]>, Verific
             region(&mesh, &["rim"], material(1.0), Method::FiniteElements),
         ],
     };
-    let model = build(mesh, regions, 1.0)?;
+    let model = build(mesh, regions, Coupling::Clip)?;
     let solution = solve(&model, &pressed(&model))?;
     let fields = PointFields::new(&model, &solution.displacement, &model.intact);
     let first = model.fe_node_count();

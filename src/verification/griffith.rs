@@ -22,6 +22,7 @@
 use super::bodies::{build, default_lattice, material, region};
 use super::{Check, Reference, VerificationError};
 use crate::boundary::Boundary;
+use crate::coupling::Coupling;
 use crate::cracks::Cracks;
 use crate::fracture::control::{self, Control, Problem, Record, Until};
 use crate::fracture::failure::{CriticalStretch, Strength};
@@ -76,7 +77,7 @@ fn strip() -> Result<Model, VerificationError> {
             Method::Peridynamics(default_lattice(1.0)),
         ),
     ];
-    Ok(build(mesh, regions, 1.0)?.with_cracks(&cracks))
+    Ok(build(mesh, regions, Coupling::Clip)?.with_cracks(&cracks))
 }
 
 /// What came of the growth.
@@ -130,7 +131,7 @@ pub fn grow() -> Result<Growth, VerificationError> {
     let limits = Limits {
         table: vec![CriticalStretch::UNBREAKABLE, bonds],
         class: (0..model.springs.len())
-            .map(|spring| u8::from(spring < model.bond_count))
+            .map(|spring| u32::from(spring < model.bond_count))
             .collect(),
     };
     // The energy of one column of the cut.

@@ -12,6 +12,7 @@
 
 use super::bodies::{build, default_lattice, hold_outline, material, region, solve};
 use super::{Check, Reference, VerificationError};
+use crate::coupling::Coupling;
 use crate::fields::points::PointFields;
 use crate::mesh::grid::name_cells;
 use crate::mesh::patchwork::{Patch, on_circle, on_square, patchwork};
@@ -119,7 +120,7 @@ impl Profile {
             ),
             region(&mesh, &["frame"], material(1.0), Method::FiniteElements),
         ];
-        let model = build(mesh, regions, 1.0)?;
+        let model = build(mesh, regions, Coupling::Clip)?;
         let solution = solve(&model, &hold_outline(&model, displacement))?;
         let fields = PointFields::new(&model, &solution.displacement, &model.intact);
         let points = points_above(&model, &fields, dx);

@@ -27,11 +27,8 @@ pub fn corrected(
     [region, body]: [&Outline; 2],
     micromodulus: &Micromodulus,
 ) -> Result<(Lattice, Springs), VerificationError> {
-    let cells = LatticeSettings {
-        spacing: micromodulus.spacing,
-        placement: Placement::CellCentred,
-        cell_area: CellArea::Clipped,
-    };
+    let spacing = micromodulus.spacing;
+    let cells = LatticeSettings::upright(spacing, Placement::CellCentred, CellArea::Clipped);
     let points = lattice(region, &[], &cells);
     let mut bonds = bonds(&points.positions, &points.areas, micromodulus, 1.0, 0);
     let surface = Surface::new(correction, region, body, &cells, micromodulus)?;

@@ -1,7 +1,7 @@
 //! Table 1 of Qian et al. (2021): the 1000 × 200 mm bar under 1.05 MPa, E = 100 GPa, ν = 1/3,
 //! dx = 2.5 mm, m = 4, elements of 10 mm, clamped on the left; u_x at mid-height of the right edge.
 
-use super::bodies::{build, material, nearest, paper_lattice, region, solve};
+use super::bodies::{TRUSS, build, material, nearest, paper_lattice, region, solve};
 use super::{Check, Reference, VerificationError};
 use crate::boundary::Boundary;
 use crate::fem::edge::EdgeLoad;
@@ -73,7 +73,7 @@ fn regions(mesh: &Mesh, bar: Bar) -> Vec<Region> {
 pub fn tip(bar: Bar, kind: CellKind, support: Support) -> Result<f64, VerificationError> {
     let mesh = mesh(kind);
     let regions = regions(&mesh, bar);
-    let model = build(mesh, regions, 1.0)?;
+    let model = build(mesh, regions, TRUSS)?;
     let mut boundary = Boundary::new(&model);
     match support {
         Support::Clamp => boundary.displace(&model, "end", [Some(0.0); 2])?,

@@ -2,6 +2,7 @@
 #![allow(dead_code, unused_imports)]
 
 use peristitch::boundary::Boundary;
+use peristitch::coupling::Coupling;
 use peristitch::coupling::truss::NodeArea;
 use peristitch::material::{Material, PlaneState};
 pub use peristitch::mesh::grid::{Grid, centre, name_cells, name_curve};
@@ -70,7 +71,7 @@ pub fn build(mesh: Mesh, regions: Vec<Region>, plane: PlaneState) -> Model {
     let settings = ModelSettings {
         plane,
         thickness: 0.7,
-        node_area: NodeArea::Lumped,
+        coupling: Coupling::Truss(NodeArea::Lumped),
     };
     Model::build(mesh, regions, settings).expect("a sound model")
 }
@@ -78,11 +79,7 @@ pub fn build(mesh: Mesh, regions: Vec<Region>, plane: PlaneState) -> Model {
 /// A square lattice as the paper has it: quartic kernel, m = 4, full areas.
 pub fn paper_lattice(spacing: f64, placement: Placement) -> PeridynamicSettings {
     PeridynamicSettings {
-        lattice: LatticeSettings {
-            spacing,
-            placement,
-            cell_area: CellArea::Full,
-        },
+        lattice: LatticeSettings::upright(spacing, placement, CellArea::Full),
         horizon_ratio: 4.0,
         kernel: Kernel::Quartic,
         partial_area: PartialArea::Full,

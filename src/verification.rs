@@ -75,7 +75,7 @@ pub fn ladder() -> Vec<Case> {
         quick("rigid modes", rigid_modes::measure),
         quick("lattice moduli", moduli::measure_moduli),
         quick("energy of a cut", moduli::measure_energy_release),
-        quick("strips", strips::measure),
+        quick("strip", strips::measure),
         quick("linear patch", patches::measure_linear),
         quick("quadratic patch", patches::measure_quadratic),
         quick("overall equilibrium", patches::measure_balance),
@@ -85,7 +85,10 @@ pub fn ladder() -> Vec<Case> {
         slow("Brazilian disc", disc::measure),
         slow("centre crack", cracks::measure_centre_crack),
         slow("single-edge bend", bend::measure),
-        slow("Griffith, mirror symmetry", griffith::measure),
+        slow(
+            "Griffith, clamped strip; mirror symmetry",
+            griffith::measure,
+        ),
     ]
 }
 
@@ -140,9 +143,16 @@ impl Check {
 impl fmt::Display for Reference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Reference::Value { value, within } => {
-                write!(f, "{} ± {} %", short(*value), short(100.0 * within))
+            Reference::Value { value, within } if *within == 0.0 => write!(f, "{}", short(*value)),
+            Reference::Value { value, within } if *within < 1e-5 => {
+                write!(f, "{} ± {within:.0e}", short(*value))
             }
+            Reference::Value { value, within } => {
+                let percent = format!("{:.3}", 100.0 * within);
+                let percent = percent.trim_end_matches('0').trim_end_matches('.');
+                write!(f, "{} ± {percent} %", short(*value))
+            }
+            Reference::Zero { within } if *within == 0.0 => write!(f, "0"),
             Reference::Zero { within } => write!(f, "0 ± {within:.0e}"),
             Reference::Between { low, high } => write!(f, "{} … {}", short(*low), short(*high)),
         }
@@ -160,7 +170,7 @@ pub fn short(value: f64) -> String {
             false => text,
         }
     } else {
-        format!("{value:.3e}")
+        format!("{value:.4e}")
     }
 }
 
@@ -199,7 +209,7 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        assert_eq!(short(1.0268e-5), "1.027e-5");
+        assert_eq!(short(1.0268e-5), "1.0268e-5");
         assert_eq!(short(0.98491), "0.98491");
         assert_eq!(short(2.65), "2.65");
         assert_eq!(short(0.0), "0");

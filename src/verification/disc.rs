@@ -136,7 +136,8 @@ fn centre(disc: Disc) -> Result<[f64; 2], VerificationError> {
     Ok([mean(1), mean(2)])
 }
 
-const PER_DIAMETER: usize = 100;
+/// Points per diameter of what is checked.
+pub const PER_DIAMETER: usize = 100;
 
 pub fn measure() -> Result<Vec<Check>, VerificationError> {
     let check = |quantity, value, within, measured| Check {
@@ -149,9 +150,9 @@ pub fn measure() -> Result<Vec<Check>, VerificationError> {
     let [x, y] = centre(Disc::Peridynamics)?;
     let [hybrid_x, hybrid_y] = centre(Disc::Hybrid)?;
     Ok(vec![
-        check("σ_x πDh_t/2P, centre, PD", 1.0, 0.01, x),
-        check("σ_y πDh_t/2P, centre, PD", -3.0, 0.01, y),
-        check("σ_x πDh_t/2P, centre, hybrid", 1.0, 0.03, hybrid_x),
-        check("σ_y πDh_t/2P, centre, hybrid", -3.0, 0.03, hybrid_y),
+        check("σ_x πDh_t/2P, centre, PD", 1.0, 0.005, x),
+        check("σ_y πDh_t/2P, centre, PD", -3.0, 0.005, y),
+        check("σ_x πDh_t/2P, centre, hybrid", 1.0, 0.005, hybrid_x),
+        check("σ_y πDh_t/2P, centre, hybrid", -3.0, 0.005, hybrid_y),
     ])
 }

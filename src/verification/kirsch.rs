@@ -166,7 +166,7 @@ pub fn measure() -> Result<Vec<Check>, VerificationError> {
             quantity: "σ_θ over exact at a + δ",
             reference: Reference::Value {
                 value: 1.0,
-                within: 0.02,
+                within: 0.01,
             },
             source: CLOSED_FORM,
             measured: first.map_or(f64::NAN, |[_, ratio]| ratio),
@@ -174,7 +174,7 @@ pub fn measure() -> Result<Vec<Check>, VerificationError> {
         Check {
             case: "plate with a hole",
             quantity: "largest error of σ_θ beyond δ",
-            reference: Reference::Zero { within: 0.02 },
+            reference: Reference::Zero { within: 0.01 },
             source: CLOSED_FORM,
             measured: largest,
         },

@@ -28,18 +28,25 @@ fn exact([from, to]: [f64; 2], count: u32, f: impl Fn(f64) -> f64) -> Vec<[f64; 
     (0..=count).map(|k| [at(k), f(at(k))]).collect()
 }
 
+/// Distances from the hole's edge for those from its centre.
+fn from_the_hole(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    points.into_iter().map(|[r, stress]| [r - 1.0, stress]).collect()
+}
+
 fn plate_with_a_hole() -> Result<Chart, Box<dyn Error>> {
     let found = |per_radius: usize| -> Result<Curve, Box<dyn Error>> {
         let profile = Profile::new(per_radius)?;
         let name = format!("δ = a/{:.0}", 1.0 / profile.horizon);
-        Ok(curve(&name, profile.points))
+        Ok(curve(&name, from_the_hole(profile.points)))
     };
+    let from_the_edge = "(r − a)/a";
+    let kirsch = exact([1.0, 3.0], 200, kirsch::ligament);
     Ok(Chart {
         title: "Plate with a hole: σθ on the ligament".to_owned(),
-        x: axis("r/a"),
+        x: axis(from_the_edge),
         y: axis("σθ/σ"),
         curves: vec![
-            curve("Kirsch", exact([1.0, 3.0], 200, kirsch::ligament)),
+            curve("Kirsch", from_the_hole(kirsch)),
             found(10)?,
             found(20)?,
             found(40)?,

@@ -318,9 +318,11 @@ fn every_command_and_option_is_described() {
         .collect();
     assert_eq!(
         commands,
-        ["run", "check", "status", "explain", "clean", "help"]
+        [
+            "run", "check", "status", "explain", "clean", "verify", "help"
+        ]
     );
-    for command in &commands[..5] {
+    for command in &commands[..6] {
         assert!(
             PIPELINE_PAGE.contains(&format!("| `{command}` |")),
             "{command}"

@@ -60,6 +60,13 @@ pub fn measure_centre_crack() -> Result<Vec<Check>, VerificationError> {
     checks.push(check("K_I, PD, δ/a = 0.4", 0.03, HANDBOOK, coarse.factor));
     checks.push(check("k, PD, δ/a = 0.2", 0.005, FEM, fine.stiffness));
     checks.push(check("K_I, PD, δ/a = 0.2", 0.02, HANDBOOK, fine.factor));
+    let limit = 2.0 * fine.factor - coarse.factor;
+    checks.push(check(
+        "K_I, PD, δ → 0 (straight line)",
+        0.01,
+        HANDBOOK,
+        limit,
+    ));
     checks.push(check("k, hybrid, δ/a = 0.2", 0.005, FEM, hybrid.stiffness));
     checks.push(check(
         "K_I, hybrid, δ/a = 0.2",

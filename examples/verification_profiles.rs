@@ -30,7 +30,10 @@ fn exact([from, to]: [f64; 2], count: u32, f: impl Fn(f64) -> f64) -> Vec<[f64; 
 
 /// Distances from the hole's edge for those from its centre.
 fn from_the_hole(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
-    points.into_iter().map(|[r, stress]| [r - 1.0, stress]).collect()
+    points
+        .into_iter()
+        .map(|[r, stress]| [r - 1.0, stress])
+        .collect()
 }
 
 fn plate_with_a_hole() -> Result<Chart, Box<dyn Error>> {

@@ -10,38 +10,14 @@ mod common;
 
 use common::*;
 use nalgebra::DMatrix;
-use peristitch::assembly::Pattern;
 use peristitch::material::PlaneState;
 use peristitch::mesh::CellKind;
 use peristitch::model::{Method, Model};
 use peristitch::peridynamics::lattice::Placement;
+use peristitch::verification::rigid_modes::{dense, spectrum};
 
 /// Some tens of entries of order one are summed, each with a rounding error of 1e-16.
 const ZERO: f64 = 2e-15;
-
-fn dense(model: &Model) -> DMatrix<f64> {
-    let elements = model.element_stiffness();
-    let pattern = Pattern::new(model.node_count(), &model.springs, &elements);
-    let lower = pattern.assemble(&model.positions, &model.springs, &elements);
-    let n = lower.ncols();
-    let mut k = DMatrix::zeros(n, n);
-    for j in 0..n {
-        let rows = lower.row_idx_of_col_raw(j);
-        for (&i, &value) in rows.iter().zip(lower.val_of_col(j)) {
-            k[(i as usize, j)] = value;
-            k[(j, i as usize)] = value;
-        }
-    }
-    k
-}
-
-/// Relative to the largest eigenvalue, ascending by size.
-fn spectrum(k: &DMatrix<f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = k.symmetric_eigenvalues().iter().copied().collect();
-    values.sort_unstable_by(|a, b| a.abs().total_cmp(&b.abs()));
-    let largest = values[values.len() - 1];
-    values.into_iter().map(|value| value / largest).collect()
-}
 
 /// max|K r| over max_ij|K_ij| for the three rigid motions r with |r| ≤ 1 at every node.
 fn rigid_forces(model: &Model, k: &DMatrix<f64>) -> f64 {

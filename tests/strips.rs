@@ -20,7 +20,6 @@
 //! the horizon's, of the same order dx²/H². The figures are sums of a fixed lattice, printed to 0.01 %:
 //! half of that is the tolerance.
 
-use nalgebra::{DMatrix, DVector};
 use peristitch::geometry::Outline;
 use peristitch::material::{Material, PlaneState};
 use peristitch::peridynamics::bonds::bonds;
@@ -29,13 +28,11 @@ use peristitch::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, Lattice, LatticeSettings, Placement, lattice};
 use peristitch::peridynamics::surface::{Surface, SurfaceCorrection};
 use peristitch::springs::Springs;
+use peristitch::verification::strips::energy_ratios;
 
 const DX: f64 = 2.5e-3;
 const THICKNESS: f64 = 0.3;
 const YOUNG: f64 = 30e9;
-/// Long enough that the middle column does not see the ends.
-const COLUMNS: usize = 80;
-
 const ALL: [SurfaceCorrection; 5] = [
     SurfaceCorrection::None,
     SurfaceCorrection::Volume,
@@ -87,43 +84,8 @@ fn corrected(
 
 /// Errors of the energy of a strip's column in tension and in bending [%].
 fn errors(correction: SurfaceCorrection, rows: usize, micromodulus: &Micromodulus) -> [f64; 2] {
-    let strip = rectangle([0.0; 2], [COLUMNS as f64, rows as f64]);
-    let (points, bonds) = corrected(correction, &strip, &strip, micromodulus);
-    // Half of each bond belongs to the column of either end; the middle column stands for all.
-    let is_middle = |node: &u32| *node as usize % COLUMNS == COLUMNS / 2;
-    let share =
-        |bond: &usize| 0.5 * bonds.pairs()[*bond].iter().filter(|n| is_middle(n)).count() as f64;
-    let column: Vec<usize> = (0..bonds.len()).filter(|bond| share(bond) > 0.0).collect();
-    let height = rows as f64 * DX;
-    let y = |node: u32| points.positions[node as usize][1] - 0.5 * height;
-    let strained: [&dyn Fn([u32; 2]) -> f64; 2] =
-        [&|_| 1.0, &|[i, j]: [u32; 2]| 0.5 * (y(i) + y(j))];
-    let exact = [height, height.powi(3) / 12.0].map(|area| 0.5 * YOUNG * area * THICKNESS * DX);
-    [0, 1].map(|mode| {
-        let mut k = DMatrix::zeros(rows, rows);
-        let mut f = DVector::zeros(rows);
-        let mut energy = 0.0;
-        for &bond in &column {
-            let ends = bonds.pairs()[bond];
-            let stiffness = share(&bond) * bonds.stiffness[bond];
-            let (xi, n) = bonds.axis(bond, &points.positions);
-            let elongation = strained[mode](ends) * n[0] * n[0] * xi;
-            let [i, j] = ends.map(|node| node as usize / COLUMNS);
-            energy += 0.5 * stiffness * elongation * elongation;
-            for (a, b, sign) in [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)] {
-                k[(a, b)] += sign * stiffness * n[1] * n[1];
-            }
-            f[j] -= stiffness * n[1] * elongation;
-            f[i] += stiffness * n[1] * elongation;
-        }
-        // The strip as a whole may move: one row is held.
-        k.row_mut(0).fill(0.0);
-        k.column_mut(0).fill(0.0);
-        k[(0, 0)] = 1.0;
-        f[0] = 0.0;
-        let v = k.clone().cholesky().expect("positive definite").solve(&f);
-        100.0 * ((energy - 0.5 * v.dot(&f)) / exact[mode] - 1.0)
-    })
+    let ratios = energy_ratios(correction, rows, micromodulus, YOUNG).expect("positive factors");
+    ratios.map(|ratio| 100.0 * (ratio - 1.0))
 }
 
 /// What the table says, to its last digit.

@@ -2,5 +2,6 @@
 //! solution and its residual, each apart from the others.
 
 pub mod cholesky;
+mod compliance;
 mod metis;
 pub mod ordering;

@@ -140,8 +140,7 @@ pub fn look_ahead(
         ends: Vec::new(),
         base,
     };
-    let most = problem.until.steps.saturating_sub(state.step);
-    let sound = scout.explore(front, most);
+    let sound = scout.explore(front);
     let Scout { mut ahead, .. } = scout;
     ahead.moments.truncate(sound);
     (sound > 0).then_some(ahead)
@@ -162,11 +161,11 @@ struct Scout<'a> {
 impl Scout<'_> {
     /// Goes on until a check fails or there is nothing more to foresee; returns how many events are
     /// beyond doubt.
-    fn explore(&mut self, mut front: Front, most: usize) -> usize {
+    fn explore(&mut self, mut front: Front) -> usize {
         let (mut sound, mut distance) = (0, FIRST_CHECK);
         let mut last = self.base.clone();
         loop {
-            let goal = most.min(sound + distance);
+            let goal = sound + distance;
             let mut goes_on = true;
             while goes_on && self.ahead.moments.len() < goal {
                 goes_on = self.advance(&mut front);
@@ -186,7 +185,7 @@ impl Scout<'_> {
                     break;
                 }
             }
-            if sound < first || !goes_on || sound == most || first < goal {
+            if sound < first || !goes_on {
                 return sound;
             }
             distance *= 2;

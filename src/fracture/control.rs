@@ -226,5 +226,6 @@ fn break_bonds(problem: &Problem, state: &mut State, response: &Response, load: 
         Control::EventDriven => response.bonds_at_limit(problem, state, load),
         _ => state.exceeded(problem.model, problem.limits),
     };
-    state.break_bonds(problem, response, &bonds)
+    let foreseen = (!response.is_last()).then_some(response);
+    state.break_bonds(problem, &bonds, foreseen)
 }

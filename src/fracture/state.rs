@@ -217,25 +217,29 @@ impl State {
             .collect()
     }
 
-    /// Breaks the given bonds, finds what falls off, and returns how many have broken.
+    /// Breaks the given bonds, finds what falls off, and returns how many have broken. `foreseen`: the
+    /// response, where what follows is known already and the state need not have been settled.
     pub fn break_bonds(
         &mut self,
         problem: &Problem,
-        response: &Response,
         bonds: &[usize],
+        foreseen: Option<&Response>,
     ) -> usize {
         let Problem {
             model, programme, ..
         } = problem;
         for &spring in bonds {
-            let length = model.springs.length(spring, &model.positions);
-            let elongation = length * response.stretch(problem, spring, self.load);
+            let stretch = match foreseen {
+                Some(response) => response.stretch(problem, spring, self.load),
+                None => self.stretch(model, spring),
+            };
+            let elongation = model.springs.length(spring, &model.positions) * stretch;
             self.intact[spring] = false;
             self.broken.push(spring as u32);
             self.just_broken.push((spring as u32, elongation));
         }
-        // Where the next response is known, K is regular: everything is held.
-        if !bonds.is_empty() && response.is_last() {
+        // A response that is known already is that of a regular K: everything is held.
+        if !bonds.is_empty() && foreseen.is_none() {
             self.find_loose_parts(model, programme);
         }
         bonds.len()

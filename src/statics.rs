@@ -366,6 +366,11 @@ impl Factorised {
         self.system.is_held[dof]
     }
 
+    /// Of the factorisation.
+    pub fn flops(&self) -> f64 {
+        self.factor.flops()
+    }
+
     /// Eᵀ K⁻¹ E of these dofs [m/N], without motion at held ones.
     pub fn compliance(&self, dofs: &[usize]) -> Mat<f64> {
         let mut compliance = self.factor.compliance(dofs);

@@ -124,7 +124,7 @@ pub fn look_ahead(
     values: &Values,
     load: Load,
 ) -> Option<Ahead> {
-    let zone = Zone::new(problem, state, base, load);
+    let zone = Zone::new(problem, state, &factorised, base, load);
     let front = Front::new(problem, state, &factorised, &zone, base, values);
     let mut scout = Scout {
         problem,
@@ -276,7 +276,7 @@ impl Scout<'_> {
         let shares = range(|load| load.share);
         let factors = range(|load| load.share * load.factor);
         let largest = |&spring: &usize| {
-            let [held, unit] = solutions.stretches(self.problem, spring);
+            let [held, unit] = solutions.rough_stretches(self.problem, spring);
             let limit = self.problem.limits.of(spring);
             let corners = shares
                 .iter()

@@ -7,14 +7,17 @@ use super::functional::{Values, fields};
 use super::response::Solutions;
 use super::state::State;
 use crate::model::Model;
-use crate::statics::Factorised;
+use crate::statics::{Factorised, Solution};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use rayon::prelude::*;
 
-/// Nodes of a zone: wide enough for a tip to run some ten spacings, narrow enough for A to stay in the
-/// cache (docs/performance.md).
-const NODES: usize = 400;
+/// Nodes of a zone where the factorisation takes 10⁹ flops. A wider zone lasts longer and costs more:
+/// measured, the best width grows with the fourth root of the flops (docs/performance.md).
+const NODES: f64 = 400.0;
+
+/// More nodes than these take as much memory as a fair share of the factor.
+const MOST_NODES: f64 = 1600.0;
 
 /// Below this d the bond was about the last to hold something: what is left is a mechanism, or too close
 /// to one for the update.
@@ -39,9 +42,18 @@ pub struct Zone {
 
 impl Zone {
     /// `load` breaks the next bond.
-    pub fn new(problem: &Problem, state: &State, base: &Solutions, load: Load) -> Zone {
+    pub fn new(
+        problem: &Problem,
+        state: &State,
+        factorised: &Factorised,
+        base: &Solutions,
+        load: Load,
+    ) -> Zone {
         let model = problem.model;
-        let nodes = most_strained_nodes(problem, state, base, load);
+        // Square roots are the same on every machine.
+        let width = NODES * (factorised.flops() / 1e9).sqrt().sqrt();
+        let count = width.clamp(NODES, MOST_NODES) as usize;
+        let nodes = most_strained_nodes(problem, state, base, load, count);
         let mut local = vec![u32::MAX; model.node_count()];
         for (k, &node) in nodes.iter().enumerate() {
             local[node] = 2 * k as u32;
@@ -141,6 +153,7 @@ fn most_strained_nodes(
     state: &State,
     base: &Solutions,
     load: Load,
+    count: usize,
 ) -> Vec<usize> {
     let model = problem.model;
     let utilisation: Vec<f64> = (0..model.springs.len())
@@ -149,7 +162,7 @@ fn most_strained_nodes(
             true => problem
                 .limits
                 .of(s)
-                .utilisation(load.combine(base.stretches(problem, s))),
+                .utilisation(load.combine(base.rough_stretches(problem, s))),
             false => 0.0,
         })
         .collect();
@@ -160,7 +173,7 @@ fn most_strained_nodes(
         }
     }
     let mut nodes: Vec<usize> = (0..model.node_count()).collect();
-    let count = zone_nodes().min(nodes.len());
+    let count = count.min(nodes.len());
     let by_score = |a: &usize, b: &usize| score[*b].total_cmp(&score[*a]).then(a.cmp(b));
     if count < nodes.len() {
         nodes.select_nth_unstable_by(count, by_score);
@@ -168,13 +181,6 @@ fn most_strained_nodes(
     }
     nodes.sort_unstable();
     nodes
-}
-
-fn zone_nodes() -> usize {
-    std::env::var("ZONE")
-        .ok()
-        .and_then(|z| z.parse().ok())
-        .unwrap_or(NODES)
 }
 
 /// The response on the zone while springs go.
@@ -201,7 +207,7 @@ impl Front {
         values: &Values,
     ) -> Front {
         let dofs = &zone.dofs;
-        let on_zone = |u: &crate::statics::Solution| -> Vec<f64> {
+        let on_zone = |u: &Solution| -> Vec<f64> {
             dofs.iter().map(|&d| u.displacement[d / 2][d % 2]).collect()
         };
         let functionals = &problem.programme.functionals;

@@ -206,6 +206,12 @@ pub struct Factor {
 }
 
 impl Factor {
+    /// See [`Symbolic::flops`].
+    pub fn flops(&self) -> f64 {
+        let structure = self.structure.clone();
+        Symbolic { structure }.flops()
+    }
+
     pub(super) fn values(&self) -> &[f64] {
         &self.values
     }

@@ -4,6 +4,9 @@
 //! Every column is gathered by one thread from what touches its node, in a fixed order: the bits do
 //! not depend on the number of threads. Dof = 2 · node + axis.
 
+pub mod full;
+pub mod stiffness;
+
 use crate::springs::Springs;
 use faer::sparse::{SparseColMat, SymbolicSparseColMat, SymbolicSparseColMatRef};
 use nalgebra::DMatrix;

@@ -284,13 +284,14 @@ fn check(plan: &Plan) -> Result<(), RunError> {
     println!(
         "  finite elements   {} with {} nodes",
         model.elements.len(),
-        model.fe_node_count()
+        model.fe_node_count() - model.inner_nodes().len()
     );
     println!("  material points   {}", model.areas.len());
+    let (ties, what) = model.ties();
     println!(
-        "  bonds, trusses    {}, {}",
-        model.bond_count,
-        model.springs.len() - model.bond_count
+        "  {:<18}{}, {ties}",
+        format!("bonds, {what}"),
+        model.bond_count
     );
     for interface in &model.interfaces {
         println!(
@@ -389,6 +390,14 @@ fn print_fracture(summary: &Value) {
     }
     let ending = summary["outcome"].as_str().unwrap_or("ended");
     event(ending, &fracture["end"], &reference["separated"]);
+    let fragments = fracture["fragments"].as_array();
+    if let Some(fragments) = fragments.filter(|list| !list.is_empty()) {
+        let nodes: u64 = fragments.iter().filter_map(Value::as_u64).sum();
+        println!(
+            "  come off: {} parts of {nodes} points in all",
+            fragments.len()
+        );
+    }
     if let Some(reason) = fracture["stopped_because"].as_str() {
         println!("  because {reason}");
     }

@@ -2,6 +2,7 @@
 
 pub mod edge;
 pub mod element;
+pub mod locate;
 pub mod quad4;
 pub mod quad8;
 pub mod quadrature;

@@ -1,4 +1,7 @@
-//! Fields derived from the displacements: strain and stress at the finite-element nodes, stretches.
+//! Fields derived from the displacements: strain and stress at the finite-element nodes and at the
+//! material points, stretches.
+
+pub mod points;
 
 use crate::fem::recovery::nodal_strain;
 use crate::material::{Material, PlaneState};

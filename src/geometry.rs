@@ -88,7 +88,8 @@ impl Outline {
         Outline { loops }
     }
 
-    fn segments(&self) -> impl Iterator<Item = [[f64; 2]; 2]> + '_ {
+    /// The sides of all loops, with the inside on their left.
+    pub fn segments(&self) -> impl Iterator<Item = [[f64; 2]; 2]> + '_ {
         self.loops.iter().flat_map(|polygon| {
             (0..polygon.len()).map(|i| [polygon[i], polygon[(i + 1) % polygon.len()]])
         })

@@ -2,8 +2,7 @@
 //!
 //! # The paper on one page
 //!
-//! Qian, Fan, Shen & Xia (2021). Equation numbers are the paper's. What is here so far is the elastic
-//! solve; eqs. (5)–(7), the breaking of bonds and the damage, are not.
+//! Qian, Fan, Shen & Xia (2021). Equation numbers are the paper's.
 //!
 //! **Peridynamics** where cracks are to appear. Material points x_i, x_j no farther apart than the
 //! horizon δ interact by a bond ξ = x_j − x_i whose force is along it and proportional to its stretch
@@ -25,6 +24,9 @@
 //! eq. (20), with the same k and an area A_FE for the node. All of it adds up to one K, solved
 //! directly, without artificial damping.
 //!
+//! **Fracture**: a bond breaks at its critical stretch, eqs. (5) and (6), and damage is the share of a
+//! point's bonds that are broken, eq. (7). K U = R is solved again with what is left.
+//!
 //! docs/method.md has every formula as implemented, and where the paper leaves something open.
 //!
 //! # Modules in the order of the method
@@ -36,11 +38,12 @@
 //! | [`material`] | E, ν → D |
 //! | [`peridynamics`] | eqs. (1)–(10), (16)–(19): kernel, lattice, bonds |
 //! | [`fem`] | eqs. (11)–(15): elements, quadrature, edge loads, recovery |
-//! | [`coupling`] | eq. (20): trusses |
+//! | [`coupling`] | eq. (20): trusses; the splice |
 //! | [`springs`] | what bonds and trusses have in common |
 //! | [`model`] | all of it in one numbering of nodes |
 //! | [`boundary`], [`support`] | supports and loads; is the body held? |
 //! | [`assembly`], [`linear_solver`], [`statics`] | eqs. (11), (12): K, its factor, U |
+//! | [`cracks`], [`fracture`] | eqs. (5)–(7): initial cracks, failure, load programmes, controls |
 //! | [`fields`] | stress, strain, stretch from U |
 //! | [`output`] | VTU, PVD, PNG |
 //! | [`pipeline`], [`cli`], [`phases`] | stages and commands; what each phase costs |
@@ -59,6 +62,8 @@
 //! | g(r), r | kernel, ξ/δ | – |
 //! | c, c0 | micromodulus, per unit thickness | N/m⁵ |
 //! | M2 | ∫₀^δ g ξ² dξ | m³ |
+//! | a, b | coefficients of the isotropised micromodulus c (a + b cos 4φ) | – |
+//! | λ_ij, β_ij | factor of a bond near a free surface | – |
 //! | k | axial stiffness of a bond or truss | N/m |
 //! | E, ν | Young's modulus, Poisson's ratio | Pa, – |
 //! | D | elasticity matrix, Voigt order xx, yy, xy | Pa |
@@ -83,6 +88,26 @@
 //!   fracture analysis. Engineering Fracture Mechanics 141, 196–211. The kernel of eq. (9).
 //! - Hu W., Ha Y. D., Bobaru F. (2010). Numerical integration in peridynamics. Technical report,
 //!   University of Nebraska–Lincoln. The partial area HHB.
+//! - Madenci E., Oterkus E. (2014). Peridynamic Theory and Its Applications. Springer. Surface
+//!   correction by two uniaxial strains.
+//! - Le Q. V., Bobaru F. (2018). Surface corrections for peridynamic models in elasticity and fracture.
+//!   Computational Mechanics 61, 499–518.
+//! - Prakash N. (2019). Calibrating bond-based peridynamic parameters using a novel least squares
+//!   approach. Journal of Peridynamics and Nonlocal Modeling 1, 45–55.
+//!
+//! Fracture:
+//! - DeJong M. J., Hendriks M. A. N., Rots J. G. (2008). Sequentially linear analysis of fracture under
+//!   non-proportional loading. Engineering Fracture Mechanics 75, 5042–5056.
+//!
+//! Couplings:
+//! - Shapeev A. V. (2012). Consistent energy-based atomistic/continuum coupling for two-body potentials
+//!   in one and two dimensions. Multiscale Modeling & Simulation 9, 905–932.
+//! - Galvanetto U., Mudrić T., Shojaei A., Zaccariotto M. (2016). An effective way to couple FEM meshes
+//!   and Peridynamics grids for the solution of static equilibrium problems. Mechanics Research
+//!   Communications 76, 41–47. The splice.
+//! - Ongaro G., Seleson P., Galvanetto U., Ni T., Zaccariotto M. (2021). Overall equilibrium in the
+//!   coupling of peridynamics and classical continuum mechanics. Computer Methods in Applied Mechanics
+//!   and Engineering 381, 113515.
 //!
 //! Finite elements and geometry:
 //! - Hinton E., Rock T., Zienkiewicz O. C. (1976). A note on mass lumping and related processes in the

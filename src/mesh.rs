@@ -3,6 +3,8 @@
 //! A mesh knows nothing of mechanics. Node order within a cell follows Gmsh, Abaqus and VTK alike:
 //! corners counter-clockwise, then mid-sides 12, 23, 34, 41 (Qian et al. 2021, fig. 3).
 
+pub mod grid;
+
 use std::collections::{BTreeMap, HashMap};
 
 /// Shape and order of a surface cell.

@@ -3,21 +3,34 @@
 //! Nodes are the finite-element nodes in the mesh's order, then the material points, region by
 //! region. Immutable once built.
 
+mod bodies;
+mod splice;
+
 use crate::assembly::ElementStiffness;
+use crate::coupling::Coupling;
+use crate::coupling::clip::side::Side;
+use crate::coupling::clip::{self, FamilyShare, clip};
+use crate::coupling::splice::SpliceError;
 use crate::coupling::truss::{InterfaceNode, NodeArea, trusses};
 use crate::cracks::Cracks;
 use crate::fem::element;
 use crate::geometry::{Outline, chords};
 use crate::material::{Material, PlaneState};
 use crate::mesh::{Cell, Edge, Mesh};
+use crate::peridynamics::axes::Axes;
 use crate::peridynamics::bonds::bonds;
 use crate::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
-use crate::peridynamics::lattice::{Lattice, LatticeSettings, lattice};
+use crate::peridynamics::lattice::{
+    Lattice, LatticeSettings, Neighbourhood, ON_BOUNDARY, lattice_beside,
+};
+use crate::peridynamics::surface::{Surface, SurfaceCorrection, SurfaceError};
 use crate::springs::Springs;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 use thiserror::Error;
+
+pub use splice::Splice;
 
 /// A part of the body: which cells of the mesh, what material, which method.
 #[derive(Clone, Debug)]
@@ -42,6 +55,29 @@ pub struct PeridynamicSettings {
     pub horizon_ratio: f64,
     pub kernel: Kernel,
     pub partial_area: PartialArea,
+    /// Whether c(ξ) is corrected such that the lattice has the material's moduli.
+    pub isotropised: bool,
+    pub surface_correction: SurfaceCorrection,
+}
+
+impl PeridynamicSettings {
+    /// c(ξ) of a material on this lattice.
+    pub fn micromodulus(&self, material: &Material, plane: PlaneState) -> Micromodulus {
+        let spacing = self.lattice.spacing;
+        let raw = Micromodulus::new(
+            self.kernel,
+            self.partial_area,
+            material,
+            plane,
+            self.horizon_ratio * spacing,
+            spacing,
+        );
+        if self.isotropised {
+            raw.isotropised()
+        } else {
+            raw
+        }
+    }
 }
 
 /// What holds for the whole model.
@@ -50,8 +86,7 @@ pub struct ModelSettings {
     pub plane: PlaneState,
     /// h_t [m].
     pub thickness: f64,
-    /// A_FE of the truss coupling.
-    pub node_area: NodeArea,
+    pub coupling: Coupling,
 }
 
 /// Where a finite-element and a peridynamic region meet.
@@ -64,14 +99,16 @@ pub struct Interface {
     pub edges: Vec<Edge>,
 }
 
-/// The material points of one peridynamic region.
+/// The material points of one peridynamic region, or of several that touch each other.
 #[derive(Clone, Debug)]
 pub struct PointRegion {
+    /// The first of the regions.
     pub region: usize,
     /// Their nodes.
     pub nodes: Range<usize>,
+    /// Of the first region's material.
     pub micromodulus: Micromodulus,
-    /// The region's outline, and its area |Ω| [m²].
+    /// The regions' outline, and its area |Ω| [m²].
     pub outline: Outline,
     pub area: f64,
 }
@@ -91,10 +128,18 @@ pub struct Model {
     pub elements: Vec<(usize, usize)>,
     /// A_i of every material point [m²].
     pub areas: Vec<f64>,
+    /// The region of every material point.
+    region_of: Vec<u32>,
+    /// For every region the one that leads its lattice.
+    leader: Vec<usize>,
     pub points: Vec<PointRegion>,
     /// Bonds first, then trusses, then what else a coupling adds.
     pub springs: Springs,
     pub bond_count: usize,
+    /// What clipped bonds are of the points' families.
+    pub clipped: Vec<FamilyShare>,
+    /// What the splice adds; `None` without an interface, or with another coupling.
+    pub splice: Option<Splice>,
     /// Whether each spring is there at the start: false where it meets an initial crack.
     pub intact: Vec<bool>,
 }
@@ -109,7 +154,7 @@ pub enum ModelError {
         second: String,
         cells: usize,
     },
-    #[error("peridynamic regions `{first}` and `{second}` touch, but no bond joins them")]
+    #[error("peridynamic regions `{first}` and `{second}` touch, and their lattices differ")]
     RegionsTouch { first: String, second: String },
     #[error(
         "element {cell} of region `{region}` is folded or clockwise at ({x:.6e}, {y:.6e}) m: \
@@ -130,6 +175,13 @@ pub enum ModelError {
         points: f64,
         limit: f64,
     },
+    #[error("region `{region}` cannot be spliced: {source}")]
+    Splice { region: String, source: SpliceError },
+    #[error("the surface correction of region `{region}` fails: {source}")]
+    Surface {
+        region: String,
+        source: SurfaceError,
+    },
 }
 
 /// More material points than these are a slip of the pen: their factor takes terabytes.
@@ -145,7 +197,7 @@ impl Model {
     ) -> Result<Model, ModelError> {
         check_cells(&mesh, &regions)?;
         let interfaces = interfaces(&mesh, &regions);
-        check_separation(&mesh, &regions)?;
+        let leader = bodies::leaders(&mesh, &regions)?;
         let mut model = Model {
             settings,
             interfaces,
@@ -156,13 +208,23 @@ impl Model {
             points: Vec::new(),
             springs: Springs::default(),
             bond_count: 0,
+            clipped: Vec::new(),
+            splice: None,
             intact: Vec::new(),
+            leader,
+            region_of: Vec::new(),
             mesh,
             regions,
         };
         model.add_finite_elements()?;
         model.add_material_points()?;
-        model.add_trusses();
+        match settings.coupling {
+            Coupling::Truss(node_area) => model.add_trusses(node_area),
+            // The bonds were clipped where they were made.
+            Coupling::Clip => {}
+            Coupling::Splice => model.add_splice()?,
+        }
+        model.mix_materials();
         model.intact = vec![true; model.springs.len()];
         Ok(model)
     }
@@ -247,16 +309,30 @@ impl Model {
 
     /// The region that a material point's node belongs to.
     pub fn region_of_point(&self, node: usize) -> Option<usize> {
-        self.points
-            .iter()
-            .find(|p| p.nodes.contains(&node))
-            .map(|p| p.region)
+        let point = node.checked_sub(self.fe_node_count())?;
+        self.region_of.get(point).map(|&region| region as usize)
     }
 
-    /// The region whose material points a spring acts on; `None` between finite elements.
-    pub fn region_of_spring(&self, spring: usize) -> Option<usize> {
-        let mut nodes = self.springs.nodes(spring).iter();
-        nodes.find_map(|&node| self.region_of_point(node as usize))
+    /// How many springs tie finite elements to material points, and what they are called.
+    pub fn ties(&self) -> (usize, &'static str) {
+        let what = match self.settings.coupling {
+            Coupling::Truss(_) => "trusses",
+            Coupling::Clip => "clipped bonds",
+            Coupling::Splice => "ghost bonds",
+        };
+        (self.springs.len() - self.bond_count, what)
+    }
+
+    /// Whether a spring is a truss of the paper's coupling.
+    pub fn is_truss(&self, spring: usize) -> bool {
+        (self.bond_count..self.springs.pairs().len()).contains(&spring)
+    }
+
+    /// # Panics
+    /// For the node of a finite element.
+    pub fn material_of_point(&self, node: usize) -> &Material {
+        let region = self.region_of_point(node);
+        &self.regions[region.expect("the node of a material point")].material
     }
 
     /// The share of a neighbour's area that counts at the distance `xi` from a material point [-].
@@ -278,6 +354,9 @@ impl Model {
                 }
             }
         }
+        if self.settings.coupling == Coupling::Splice {
+            self.add_overlap()?;
+        }
         for (mesh_node, node) in self.node_of.iter_mut().enumerate() {
             if node.is_some() {
                 *node = Some(self.positions.len() as u32);
@@ -294,31 +373,66 @@ impl Model {
             let Method::Peridynamics(settings) = region.method else {
                 continue;
             };
-            let outline = Outline::of_cells(&self.mesh, &region.cells);
-            check_count(region, &outline, settings.lattice.spacing)?;
-            let Lattice { positions, areas } =
-                lattice(&outline, &self.interface_segments(index), &settings.lattice);
-            if positions.is_empty() {
+            if self.leader[index] != index {
+                continue;
+            }
+            let outline = Outline::of_cells(&self.mesh, &self.lattice_cells(index));
+            let axes = settings.lattice.axes();
+            let turned = axes.outline(&outline);
+            check_count(region, &turned, settings.lattice.spacing)?;
+            let mut lattice = self.lattice(index, &turned, &settings.lattice);
+            if self.splice.is_some() && !self.interface_segments(index).is_empty() {
+                // The lattice goes on behind the interface: it cuts no cell.
+                let sites = self.sites(&turned, &settings);
+                let dx = settings.lattice.spacing;
+                let positions = lattice.positions.iter();
+                let shares = positions.map(|&x| sites.shares[sites.nearest(x)]);
+                lattice.areas = shares.map(|share| share * dx * dx).collect();
+            }
+            if lattice.positions.is_empty() {
                 return Err(ModelError::NoMaterialPoint {
                     region: region.name.clone(),
                 });
             }
-            let micromodulus = Micromodulus::new(
-                settings.kernel,
-                settings.partial_area,
-                &region.material,
-                self.settings.plane,
-                settings.horizon_ratio * settings.lattice.spacing,
-                settings.lattice.spacing,
-            );
+            let micromodulus = settings.micromodulus(&region.material, self.settings.plane);
             let first = fe_nodes + self.areas.len();
-            self.springs.append(bonds(
-                &positions,
-                &areas,
-                &micromodulus,
-                self.settings.thickness,
-                first as u32,
-            ));
+            let Lattice {
+                positions, areas, ..
+            } = &lattice;
+            let thickness = self.settings.thickness;
+            let mut bonds = bonds(positions, areas, &micromodulus, thickness, first as u32);
+            let surface = self.surface(region, &turned, &settings, &micromodulus)?;
+            if let Some(surface) = &surface {
+                surface.correct(&mut bonds, positions, first as u32);
+            }
+            if self.settings.coupling == Coupling::Clip {
+                let clipped = clip(&clip::Region {
+                    outline: &turned,
+                    sides: &self.sides(index, &axes),
+                    index: &lattice.index,
+                    axes,
+                    areas,
+                    micromodulus: &micromodulus,
+                    surface: surface.as_ref(),
+                    thickness,
+                    first_node: first as u32,
+                });
+                let first = first as u32;
+                bonds.retain_pairs(|pair| {
+                    let pair = pair.map(|node| node - first);
+                    clipped.replaced.binary_search(&pair).is_err()
+                });
+                let before = self.springs.len() - self.springs.pairs().len();
+                self.clipped
+                    .extend(clipped.shares.iter().map(|share| FamilyShare {
+                        spring: before as u32 + share.spring,
+                        ..*share
+                    }));
+                bonds.append(clipped.springs);
+            }
+            let positions: Vec<[f64; 2]> = positions.iter().map(|&x| axes.global(x)).collect();
+            let areas = lattice.areas;
+            self.springs.append(bonds);
             self.points.push(PointRegion {
                 region: index,
                 nodes: first..first + positions.len(),
@@ -326,19 +440,87 @@ impl Model {
                 area: outline.area(),
                 outline,
             });
+            self.region_of.extend(self.label(index, &positions));
             self.positions.extend(positions);
             self.areas.extend(areas);
         }
-        self.bond_count = self.springs.len();
+        self.bond_count = self.springs.pairs().len();
         Ok(())
     }
 
+    /// The material points of a region, along the lattice's axes.
+    fn lattice(&self, region: usize, turned: &Outline, settings: &LatticeSettings) -> Lattice {
+        let axes = settings.axes();
+        let segments = self.interface_segments(region).into_iter();
+        let interface: Vec<_> = segments.map(|s| s.map(|x| axes.local(x))).collect();
+        let body = axes.outline(&self.body_outline());
+        let is_clip = self.settings.coupling == Coupling::Clip;
+        let neighbourhood = Neighbourhood {
+            interface: &interface,
+            clearance: if is_clip {
+                clip::CLEARANCE
+            } else {
+                ON_BOUNDARY
+            },
+            body: is_clip.then_some(&body),
+        };
+        lattice_beside(turned, &neighbourhood, &settings.along_axes())
+    }
+
+    /// The sides of a region's outline, with the region on the left, along the lattice's axes.
+    fn sides(&self, region: usize, axes: &Axes) -> Vec<Side> {
+        let interface: HashSet<[usize; 2]> = self
+            .interfaces_of(region)
+            .flat_map(|i| i.edges.iter().map(Edge::key))
+            .collect();
+        let position = |node: usize| axes.local(self.mesh.nodes[node]);
+        let side = |edge: Edge| Side {
+            ends: edge.ends.map(position),
+            middle: edge.middle.map(position),
+            nodes: if interface.contains(&edge.key()) {
+                edge.nodes().filter_map(|node| self.node_of[node]).collect()
+            } else {
+                Vec::new()
+            },
+        };
+        let edges = self.mesh.outline(&self.lattice_cells(region));
+        edges.into_iter().map(side).collect()
+    }
+
+    /// The factors of a region's bonds near free surfaces, if it is to be corrected. `turned`: the
+    /// region's outline along the lattice's axes.
+    fn surface(
+        &self,
+        region: &Region,
+        turned: &Outline,
+        settings: &PeridynamicSettings,
+        micromodulus: &Micromodulus,
+    ) -> Result<Option<Surface>, ModelError> {
+        if settings.surface_correction == SurfaceCorrection::None {
+            return Ok(None);
+        }
+        let surface = Surface::new(
+            settings.surface_correction,
+            turned,
+            &settings.lattice.axes().outline(&self.body_outline()),
+            &settings.lattice.along_axes(),
+            micromodulus,
+        );
+        surface.map(Some).map_err(|source| ModelError::Surface {
+            region: region.name.clone(),
+            source,
+        })
+    }
+
+    /// The outline of all regions together.
+    fn body_outline(&self) -> Outline {
+        let mut cells: Vec<usize> = self.regions.iter().flat_map(|r| r.cells.clone()).collect();
+        cells.sort_unstable();
+        Outline::of_cells(&self.mesh, &cells)
+    }
+
     fn interface_segments(&self, region: usize) -> Vec<[[f64; 2]; 2]> {
-        let edges = self
-            .interfaces
-            .iter()
-            .filter(|i| i.peridynamics == region)
-            .flat_map(|i| &i.edges);
+        let edges = self.interfaces_of(region).flat_map(|i| &i.edges);
         edges
             .flat_map(|edge| {
                 let points = chords(edge, &self.mesh.nodes);
@@ -349,10 +531,10 @@ impl Model {
             .collect()
     }
 
-    fn add_trusses(&mut self) {
+    fn add_trusses(&mut self, node_area: NodeArea) {
         let lumped = self.lumped_areas();
         for points in &self.points {
-            let ends = self.interface_nodes(points, &lumped);
+            let ends = self.interface_nodes(points, &lumped, node_area);
             let fe_nodes = self.positions.len() - self.areas.len();
             let range = points.nodes.start - fe_nodes..points.nodes.end - fe_nodes;
             self.springs.append(trusses(
@@ -367,19 +549,21 @@ impl Model {
     }
 
     /// The interface nodes of one peridynamic region with their areas A_FE, in ascending order.
-    fn interface_nodes(&self, points: &PointRegion, lumped: &[f64]) -> Vec<InterfaceNode> {
+    fn interface_nodes(
+        &self,
+        points: &PointRegion,
+        lumped: &[f64],
+        node_area: NodeArea,
+    ) -> Vec<InterfaceNode> {
         let mut half_edges: BTreeMap<u32, f64> = BTreeMap::new();
-        let touching = self
-            .interfaces
-            .iter()
-            .filter(|i| i.peridynamics == points.region);
+        let touching = self.interfaces_of(points.region);
         for edge in touching.flat_map(|i| &i.edges) {
             for node in edge.nodes() {
                 let node = self.node_of[node].expect("an interface edge has finite-element nodes");
                 *half_edges.entry(node).or_insert(0.0) += 0.5 * self.edge_length(edge);
             }
         }
-        let area = |node: u32, half_edge: f64| match self.settings.node_area {
+        let area = |node: u32, half_edge: f64| match node_area {
             NodeArea::Lumped => lumped[node as usize],
             NodeArea::HalfEdge => half_edge * points.micromodulus.spacing,
             NodeArea::Given(area) => area,
@@ -459,24 +643,6 @@ fn check_cells(mesh: &Mesh, regions: &[Region]) -> Result<(), ModelError> {
             .cells
             .iter()
             .for_each(|&cell| owner[cell] = Some(index));
-    }
-    Ok(())
-}
-
-fn check_separation(mesh: &Mesh, regions: &[Region]) -> Result<(), ModelError> {
-    let peridynamic: Vec<&Region> = regions
-        .iter()
-        .filter(|r| r.method != Method::FiniteElements)
-        .collect();
-    for (k, first) in peridynamic.iter().enumerate() {
-        for second in &peridynamic[k + 1..] {
-            if !mesh.shared_edges(&first.cells, &second.cells).is_empty() {
-                return Err(ModelError::RegionsTouch {
-                    first: first.name.clone(),
-                    second: second.name.clone(),
-                });
-            }
-        }
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 //! stale) → [`run`].
 
 mod checkpoint;
+mod damage_picture;
 mod files;
 pub mod folder;
 pub mod fracture;

@@ -124,6 +124,15 @@ impl Springs {
         all.segments.append(&mut more.segments);
     }
 
+    /// Keeps the pairs that `keep` says yes to, and all that is interpolated.
+    pub fn retain_pairs(&mut self, mut keep: impl FnMut([u32; 2]) -> bool) {
+        let kept: Vec<bool> = self.pairs.iter().map(|&pair| keep(pair)).collect();
+        let mut of_pair = kept.iter();
+        self.pairs.retain(|_| of_pair.next() == Some(&true));
+        let mut of_spring = kept.iter();
+        self.stiffness.retain(|_| of_spring.next() != Some(&false));
+    }
+
     /// The nodes that a spring acts on, each once.
     pub fn nodes(&self, spring: usize) -> &[u32] {
         match self.place(spring) {
@@ -289,6 +298,11 @@ mod tests {
             assert_eq!(all.segment(s, &POSITIONS), [[0.2, 0.2], [0.5, 0.4]]);
         }
         assert_eq!(all.segment(1, &POSITIONS), [POSITIONS[1], POSITIONS[2]]);
+        let mut fewer = all.clone();
+        fewer.retain_pairs(|pair| pair != [1, 2]);
+        assert_eq!(fewer.pairs(), [[0, 1], [0, 1]]);
+        assert_eq!(fewer.stiffness, [2.0, 2.0, 3.0, 3.0]);
+        assert_eq!(fewer.nodes(2), [0, 1, 2]);
         let broken = all.with(&[true, false, true, true, false]);
         assert_eq!(broken.stiffness, [2.0, 0.0, 2.0, 3.0, 0.0]);
         assert_eq!(broken.nodes(4), all.nodes(4));

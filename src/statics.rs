@@ -1,15 +1,17 @@
 //! One static solve, without artificial damping: K U = R, Qian et al. (2021), eq. (11).
 
-use crate::assembly::{ElementStiffness, LowerMatrix, Pattern, mean_diagonal};
+mod structure;
+
+use crate::assembly::stiffness::Stiffness;
 use crate::boundary::Boundary;
-use crate::linear_solver::cholesky::{Factor, SolverError, Symbolic};
-use crate::linear_solver::ordering::{Ordering, elimination_order};
+use crate::linear_solver::{Factor, SolverError};
 use crate::model::Model;
 use crate::phases::{Phases, peak_memory};
 use crate::support::{self, NotHeld};
 use faer::Mat;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
+use structure::Structure;
 use thiserror::Error;
 
 /// Displacements of all nodes, and what holds them.
@@ -17,7 +19,9 @@ use thiserror::Error;
 pub struct Solution {
     /// u of every node [m].
     pub displacement: Vec<[f64; 2]>,
-    /// Force that the supports exert at every node [N]; zero where nothing is prescribed.
+    /// Force that the supports exert at every node [N]; zero where nothing is prescribed. Under the
+    /// splice, what they exert on the overlap is left out: its part of the boundary is the material
+    /// points'.
     pub reaction: Vec<[f64; 2]>,
     /// ‖K u − f‖₂ / ‖f‖₂ over the free dofs, prescribed displacements in f.
     pub residual: f64,
@@ -96,15 +100,14 @@ impl Estimate {
     /// # Errors
     /// [`SolverError::Ordering`], [`SolverError::OutOfMemory`].
     pub fn new(model: &Model, boundary: &Boundary) -> Result<Estimate, StaticsError> {
-        let elements = model.element_stiffness();
-        let pattern = Pattern::new(model.node_count(), &model.springs, &elements);
-        let symbolic = Symbolic::new(pattern.symbolic(), &pattern.graph, Ordering::Metis)?;
-        let (entries, factor_entries) = (pattern.stored_entries(), symbolic.factor_entries());
-        let seconds = symbolic.flops() / FACTOR_RATE + entries as f64 / ENTRY_RATE;
+        let structure = Structure::new(model, &mut Phases::default())?;
+        let factor_entries = structure.factor_entries();
+        let entries = structure.stiffness_entries() as f64;
+        let seconds = structure.flops() / FACTOR_RATE + entries / ENTRY_RATE;
         Ok(Estimate {
             dofs: boundary.load.len(),
             factor_entries,
-            flops: symbolic.flops(),
+            flops: structure.flops(),
             bytes: peak_memory().unwrap_or(0) + 8 * factor_entries as u64,
             time: Duration::from_secs_f64(seconds),
         })
@@ -132,9 +135,7 @@ pub fn solve(
 pub struct Solver<'a> {
     model: &'a Model,
     boundary: &'a Boundary,
-    elements: Vec<ElementStiffness>,
-    pattern: Pattern,
-    symbolic: Symbolic,
+    structure: Structure,
 }
 
 impl<'a> Solver<'a> {
@@ -145,35 +146,19 @@ impl<'a> Solver<'a> {
         boundary: &'a Boundary,
         phases: &mut Phases,
     ) -> Result<Solver<'a>, StaticsError> {
-        let elements = phases.measure("elements", || model.element_stiffness());
-        let pattern = phases.measure("pattern", || {
-            Pattern::new(model.node_count(), &model.springs, &elements)
-        });
-        let order = phases
-            .measure("ordering", || {
-                elimination_order(Ordering::Metis, &pattern.graph)
-            })
-            .map_err(|status| SolverError::Ordering {
-                nodes: pattern.nodes(),
-                status,
-            })?;
-        let symbolic = phases.measure("symbolic", || {
-            Symbolic::with_order(pattern.symbolic(), order.as_deref())
-        })?;
+        let structure = Structure::new(model, phases)?;
         Ok(Solver {
             model,
             boundary,
-            elements,
-            pattern,
-            symbolic,
+            structure,
         })
     }
 
     pub fn size(&self) -> SystemSize {
         SystemSize {
             dofs: self.boundary.load.len(),
-            stiffness_entries: self.pattern.stored_entries(),
-            factor_entries: self.symbolic.factor_entries(),
+            stiffness_entries: self.structure.stiffness_entries(),
+            factor_entries: self.structure.factor_entries(),
         }
     }
 
@@ -189,15 +174,16 @@ impl<'a> Solver<'a> {
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
         let system = self.system(intact, pinned, &BTreeSet::new(), phases);
-        let factor = phases.measure("factorisation", || self.symbolic.factorise(&system.held));
-        let factor = factor.map_err(|error| locate(self.model, &self.pattern, error))?;
+        let factor = phases.measure("factorisation", || self.structure.factorise(&system.held));
+        let factor = factor.map_err(|error| self.locate(error))?;
         self.finish(&system, &system.case(self.boundary), &factor, phases)
     }
 
     /// The same for a body in which bonds break, under each of `cases`, which prescribe displacements
     /// on the same dofs. A chunk may hang on a hinge: K is positive semidefinite, so that a pivot
-    /// vanishes where such a mechanism begins, and holding that dof holds it: without force, if no load
-    /// acts along it, which the residual of the free system tells. `mechanisms` collects these dofs;
+    /// vanishes where such a mechanism begins (where K is not symmetric, LU probes for the motion), and
+    /// holding that dof holds it: without force, if no load acts along it, which the residual of the free
+    /// system tells. `mechanisms` collects these dofs;
     /// since bonds never heal, they stay.
     ///
     /// # Errors
@@ -228,12 +214,13 @@ impl<'a> Solver<'a> {
     ) -> Result<Factorised, StaticsError> {
         loop {
             let system = self.system(intact, pinned, mechanisms, phases);
-            let factor = phases.measure("factorisation", || self.symbolic.factorise(&system.held));
+            let factor = phases.measure("factorisation", || self.structure.factorise(&system.held));
             match factor {
                 Ok(factor) => return Ok(Factorised { system, factor }),
                 // The set grows with every turn, so that the loop ends.
-                Err(SolverError::NotPositiveDefinite { dof }) if mechanisms.insert(dof) => {}
-                Err(error) => return Err(locate(self.model, &self.pattern, error)),
+                Err(SolverError::NotPositiveDefinite { dof } | SolverError::Singular { dof })
+                    if mechanisms.insert(dof) => {}
+                Err(error) => return Err(self.locate(error)),
             }
         }
     }
@@ -280,13 +267,11 @@ impl<'a> Solver<'a> {
         let Solver {
             model,
             boundary,
-            elements,
-            pattern,
-            ..
+            structure,
         } = self;
         let stiffness = phases.measure("assembly", || {
             let springs = model.springs.with(intact);
-            pattern.assemble(&model.positions, &springs, elements)
+            structure.assemble(&model.positions, &springs)
         });
         phases.measure("supports", || {
             System::new(stiffness, boundary, pinned, mechanisms)
@@ -309,6 +294,21 @@ impl<'a> Solver<'a> {
         };
         check(self.model, &solution)?;
         Ok(solution)
+    }
+
+    fn locate(&self, error: SolverError) -> StaticsError {
+        let (SolverError::NotPositiveDefinite { dof } | SolverError::Singular { dof }) = error
+        else {
+            return error.into();
+        };
+        let node = dof / 2;
+        let [x, y] = self.model.positions[node];
+        StaticsError::Mechanism {
+            what: kind(self.model, node),
+            x,
+            y,
+            springs: self.structure.springs_at(node).len(),
+        }
     }
 }
 
@@ -340,20 +340,6 @@ fn kind(model: &Model, node: usize) -> &'static str {
     }
 }
 
-fn locate(model: &Model, pattern: &Pattern, error: SolverError) -> StaticsError {
-    let SolverError::NotPositiveDefinite { dof } = error else {
-        return error.into();
-    };
-    let node = dof / 2;
-    let [x, y] = model.positions[node];
-    StaticsError::Mechanism {
-        what: kind(model, node),
-        x,
-        y,
-        springs: pattern.springs_at(node).len(),
-    }
-}
-
 /// K with its supports, ready to be solved with; bonds that break later are rank-one changes of it.
 pub struct Factorised {
     system: System,
@@ -366,21 +352,27 @@ impl Factorised {
         self.system.is_held[dof]
     }
 
-    /// Of the factorisation.
-    pub fn flops(&self) -> f64 {
-        self.factor.flops()
+    /// Flops of the factorisation, where it was Cholesky's, without which there is no looking ahead.
+    pub fn flops(&self) -> Option<f64> {
+        match &self.factor {
+            Factor::Cholesky(factor) => Some(factor.flops()),
+            Factor::Lu(_) => None,
+        }
     }
 
-    /// Eᵀ K⁻¹ E of these dofs [m/N], without motion at held ones.
-    pub fn compliance(&self, dofs: &[usize]) -> Mat<f64> {
-        let mut compliance = self.factor.compliance(dofs);
+    /// Eᵀ K⁻¹ E of these dofs [m/N], without motion at held ones; from Cholesky's factor only.
+    pub fn compliance(&self, dofs: &[usize]) -> Option<Mat<f64>> {
+        let Factor::Cholesky(factor) = &self.factor else {
+            return None;
+        };
+        let mut compliance = factor.compliance(dofs);
         for (k, &dof) in dofs.iter().enumerate() {
             if self.is_held(dof) {
                 compliance.row_mut(k).fill(0.0);
                 compliance.col_mut(k).fill(0.0);
             }
         }
-        compliance
+        Some(compliance)
     }
 
     /// Overwrites forces [N] by the displacements [m] that they add, dof by dof, case after case.
@@ -392,7 +384,14 @@ impl Factorised {
             }
         };
         clear(forces);
-        self.factor.solve_many_in_place(forces, cases);
+        match &self.factor {
+            Factor::Cholesky(factor) => factor.solve_many_in_place(forces, cases),
+            Factor::Lu(factor) => {
+                let dofs = self.system.is_held.len();
+                let each = forces.chunks_exact_mut(dofs);
+                each.for_each(|case| factor.solve_in_place(case));
+            }
+        }
         // Held dofs stand apart in the factor, so that this clears signed zeros only.
         clear(forces);
     }
@@ -440,16 +439,16 @@ impl Factorised {
 
     /// K u [N].
     pub fn force(&self, displacement: &[f64]) -> Vec<f64> {
-        multiply(&self.system.stiffness, displacement)
+        self.system.stiffness.multiply(displacement)
     }
 }
 
 /// K with its supports.
 struct System {
     /// K as assembled [N/m].
-    stiffness: LowerMatrix,
+    stiffness: Stiffness,
     /// K with a positive diagonal alone in the rows and columns of held dofs.
-    held: LowerMatrix,
+    held: Stiffness,
     is_held: Vec<bool>,
     /// Dofs of pinned parts.
     pinned: Vec<usize>,
@@ -459,25 +458,27 @@ struct System {
 struct Case<'a> {
     /// [m].
     prescribed: Vec<Option<f64>>,
-    /// f [N].
-    load: &'a [f64],
+    /// f, loads on the overlap of a splice included [N].
+    load: Vec<f64>,
+    /// Of [`Boundary::own_share`].
+    own_share: &'a BTreeMap<usize, f64>,
 }
 
 impl System {
     fn new(
-        stiffness: LowerMatrix,
+        stiffness: Stiffness,
         boundary: &Boundary,
         pinned: &[Vec<usize>],
         mechanisms: &BTreeSet<usize>,
     ) -> System {
         let nodes = pinned.iter().flatten();
         let pinned: Vec<usize> = nodes.flat_map(|&n| [2 * n, 2 * n + 1]).collect();
-        let mut is_held = vec![false; stiffness.ncols()];
+        let mut is_held = vec![false; stiffness.dofs()];
         let supports = boundary.prescribed.keys();
         for &dof in supports.chain(&pinned).chain(mechanisms) {
             is_held[dof] = true;
         }
-        let held = hold(&stiffness, &is_held, mean_diagonal(&stiffness));
+        let held = stiffness.hold(&is_held);
         System {
             stiffness,
             held,
@@ -496,7 +497,13 @@ impl System {
         }
         Case {
             prescribed,
-            load: &boundary.load,
+            load: boundary
+                .load
+                .iter()
+                .zip(&boundary.overlap_load)
+                .map(|(a, b)| a + b)
+                .collect(),
+            own_share: &boundary.own_share,
         }
     }
 
@@ -529,12 +536,12 @@ impl System {
 
     /// f − K u at free dofs, zero at prescribed ones [N].
     fn residual(&self, case: &Case, u: &[f64]) -> Vec<f64> {
-        case.residual(&multiply(&self.stiffness, u))
+        case.residual(&self.stiffness.multiply(u))
     }
 
     /// K u − f at prescribed dofs, by node [N].
     fn reaction(&self, case: &Case, u: &[f64]) -> Vec<[f64; 2]> {
-        case.reaction(&multiply(&self.stiffness, u))
+        case.reaction(&self.stiffness.multiply(u))
     }
 
     /// ‖f‖₂ over the free dofs, prescribed displacements in f [N].
@@ -547,17 +554,21 @@ impl System {
 impl Case<'_> {
     /// f − r at free dofs, zero at prescribed ones, where r = K u [N].
     fn residual(&self, force: &[f64]) -> Vec<f64> {
-        let dofs = self.prescribed.iter().zip(self.load).zip(force);
+        let dofs = self.prescribed.iter().zip(&self.load).zip(force);
         dofs.map(|((prescribed, f), r)| if prescribed.is_some() { 0.0 } else { f - r })
             .collect()
     }
 
     /// r − f at prescribed dofs, by node, where r = K u [N].
     fn reaction(&self, force: &[f64]) -> Vec<[f64; 2]> {
-        let dofs = self.prescribed.iter().zip(self.load).zip(force);
+        let dofs = self.prescribed.iter().zip(&self.load).zip(force);
         let reaction =
             dofs.map(|((prescribed, f), r)| if prescribed.is_some() { r - f } else { 0.0 });
-        vectors(&reaction.collect::<Vec<f64>>())
+        let mut reaction: Vec<f64> = reaction.collect();
+        for (&dof, share) in self.own_share {
+            reaction[dof] *= share;
+        }
+        vectors(&reaction)
     }
 }
 
@@ -576,45 +587,4 @@ fn vectors(dofs: &[f64]) -> Vec<[f64; 2]> {
 
 fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// Clears the rows and columns of held dofs and puts `diagonal` there, on the same pattern.
-fn hold(matrix: &LowerMatrix, is_held: &[bool], diagonal: f64) -> LowerMatrix {
-    let mut held = matrix.clone();
-    let (symbolic, values) = held.parts_mut();
-    for column in 0..symbolic.ncols() {
-        let range = symbolic.col_range(column);
-        let rows = &symbolic.row_idx()[range.clone()];
-        for (&row, value) in rows.iter().zip(&mut values[range]) {
-            if is_held[column] || is_held[row as usize] {
-                *value = if row as usize == column {
-                    diagonal
-                } else {
-                    0.0
-                };
-            }
-        }
-    }
-    held
-}
-
-/// K u from the lower triangle of K.
-fn multiply(matrix: &LowerMatrix, u: &[f64]) -> Vec<f64> {
-    let mut product = vec![0.0; u.len()];
-    for column in 0..matrix.ncols() {
-        let mut sum = 0.0;
-        for (&row, &value) in matrix
-            .row_idx_of_col_raw(column)
-            .iter()
-            .zip(matrix.val_of_col(column))
-        {
-            let row = row as usize;
-            sum += value * u[row];
-            if row != column {
-                product[row] += value * u[column];
-            }
-        }
-        product[column] += sum;
-    }
-    product
 }

@@ -312,16 +312,50 @@ fn regions() {
         "horizon: 1e9",
         &["bar.yaml:15:14", "more than 20"],
     );
+    let correction = [
+        "bar.yaml:16:",
+        "surface_correction",
+        "none",
+        "volume",
+        "energy",
+        "force",
+        "least-squares",
+    ];
+    assert_edit(
+        "horizon: 4",
+        "horizon: 4\n    surface_correction: strong",
+        &correction,
+    );
+    let micromodulus = ["bar.yaml:16:", "micromodulus", "isotropised", "raw"];
+    assert_edit(
+        "horizon: 4",
+        "horizon: 4\n    micromodulus: isotropic",
+        &micromodulus,
+    );
+    for (key, value) in [("micromodulus", "raw"), ("surface_correction", "force")] {
+        let lattice_only = [
+            "bar.yaml:10:",
+            &format!("`{key}` belongs to peridynamic regions"),
+            &format!("remove `{key}`"),
+        ];
+        assert_edit(
+            "model: fem, material: solid",
+            &format!("model: fem, material: solid, {key}: {value}"),
+            &lattice_only,
+        );
+    }
     let fem = "- { group: [left, right], model: fem, material: solid }";
     let overlap = ["bar.yaml:11:12", "`left+band` and `band` overlap: 16 cells"];
     assert_edit("[left, right]", "[left, band]", &overlap);
     let left =
-        "- { group: left, model: peridynamics, material: solid, spacing: 12.5 mm, horizon: 4 }";
-    assert_edit(
-        fem,
-        left,
-        &["bar.yaml:11:12", "`left` and `band` touch", "one region"],
-    );
+        "- { group: left, model: peridynamics, material: solid, spacing: 25 mm, horizon: 4 }";
+    let lattices = [
+        "bar.yaml:11:12",
+        "`left` and `band` touch, and their lattices differ",
+        "share one lattice",
+        "one region",
+    ];
+    assert_edit(fem, left, &lattices);
     let large = ["bar.yaml:14:14", "no material point", "smaller `spacing`"];
     assert_edit("12.5 mm", "500 mm", &large);
     let tiny = [
@@ -410,6 +444,80 @@ fn cracks_and_loading() {
     );
     let control = ["plate.yaml:15:", "two-pass", "mean `one-pass`?"];
     assert_plate("one-pass", "two-pass", &control);
+}
+
+#[test]
+fn programmes() {
+    let boundary = |top: &str, bottom: &str| {
+        format!(
+            "boundary:
+  - {{ group: top, displacement: {{ x: 0, y: 5.0e-9 m }}{top} }}
+  - {{ group: bottom, displacement: {{ x: 0, y: -5.0e-9 m }}{bottom} }}
+"
+        )
+    };
+    let place = Workplace::with_plate();
+    let text = String::from_utf8(place.read("plate.yaml")).expect("UTF-8");
+    let from = text.find("boundary:").expect("the key");
+    let to = text.find("loading:").expect("the key");
+    let old = &text[from..to];
+    let refused = |boundary: &str, loading: &str, message: &[&str]| {
+        let place = Workplace::with_plate();
+        place.edit("plate.yaml", old, boundary);
+        place.edit(
+            "plate.yaml",
+            "steps: 200",
+            &format!("steps: 200, {loading}"),
+        );
+        assert_refused(&place, &["plate.yaml"], 2, message);
+    };
+    let both = boundary(", phase: up", ", phase: up");
+    let up = "phases: [{ name: up, to: 3 }]";
+    refused(
+        &both,
+        "phases: [{ name: ap }]",
+        &["plate.yaml:", "no phase `up`", "mean `ap`?"],
+    );
+    refused(
+        &both,
+        "to: 0",
+        &["plate.yaml:", "no phase `up`", "there are none"],
+    );
+    refused(
+        &boundary(", phase: up", ""),
+        up,
+        &[
+            "plate.yaml:14:",
+            "`bottom` belongs to no phase",
+            "one of `up`",
+        ],
+    );
+    refused(
+        &both,
+        "phases: [{ name: up }, { name: down, to: 3 }]",
+        &["plate.yaml:", "the phase `up` has no end", "add `to:`"],
+    );
+    refused(
+        &both,
+        "phases: [{ name: up, to: 3 }, { name: down }]",
+        &["plate.yaml:", "nothing happens in the phase `down`"],
+    );
+    refused(
+        &both,
+        "phases: [{ name: up, to: 3 }, { name: up }]",
+        &["plate.yaml:", "two phases have this name"],
+    );
+    refused(
+        &both,
+        "to: 5, phases: [{ name: up, to: 3 }]",
+        &["plate.yaml:", "`to` belongs to a phase here"],
+    );
+    refused(
+        &both,
+        "phases: [{ name: up, to: -3 }]",
+        &["plate.yaml:", "not positive"],
+    );
+    refused(old, "increment: 0", &["plate.yaml:", "not positive"]);
 }
 
 #[test]
@@ -504,7 +612,7 @@ fn keys_and_values() {
     assert_edit(
         "coupling: truss",
         "coupling: glue",
-        &["bar.yaml:16:11", "the only one is `truss`"],
+        &["bar.yaml:16:11", "there are: `truss`, `clip`, `splice`"],
     );
     let fields = [
         "bar.yaml:16:20",

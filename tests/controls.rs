@@ -29,8 +29,12 @@ fn run(control: &str, steps: usize) -> (Value, f64) {
     let folder = results.path().join("plate_mode_i");
     let summary = std::fs::read(folder.join("summary.json")).expect("a summary");
     let history = std::fs::read_to_string(folder.join("history.csv")).expect("a history");
-    let grips = history.lines().skip(1).map(|line| {
-        let grip = line.split(',').nth(2).expect("a third column");
+    let mut lines = history.lines();
+    let mut names = lines.next().expect("names").split(',');
+    let column = names.position(|name| name == "grip_displacement_m");
+    let column = column.expect("the column");
+    let grips = lines.map(|line| {
+        let grip = line.split(',').nth(column).expect("a cell");
         grip.parse::<f64>().expect("a number")
     });
     let largest = grips.fold(0.0, f64::max);

@@ -82,7 +82,7 @@ fn a_disc_of_material_points() {
     assert_sound(&summary, PI * RADIUS * RADIUS);
     let strain = relative_strain(&summary);
     // The patch error of the trusses; unstructured meshes differ between versions of Gmsh.
-    assert!((strain - 0.955).abs() < 0.01, "{strain}");
+    assert!((strain - 0.967).abs() < 0.01, "{strain}");
 }
 
 #[test]
@@ -90,5 +90,5 @@ fn a_disc_of_elements() {
     let summary = stretched("disc", "plate");
     assert_sound(&summary, LENGTH * 0.06 - PI * RADIUS * RADIUS);
     let strain = relative_strain(&summary);
-    assert!((strain - 0.960).abs() < 0.01, "{strain}");
+    assert!((strain - 0.970).abs() < 0.01, "{strain}");
 }

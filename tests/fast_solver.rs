@@ -62,7 +62,7 @@ fn plate(lines: &[[[f64; 2]; 2]]) -> (Model, Limits) {
         compressive: Some(20e6),
     };
     let limit = CriticalStretch::new(strength, steel().young, &model.points[0].micromodulus);
-    let class = |spring| u8::from(spring < model.bond_count);
+    let class = |spring| u32::from(spring < model.bond_count);
     let limits = Limits {
         table: vec![CriticalStretch::UNBREAKABLE, limit],
         class: (0..model.springs.len()).map(class).collect(),

@@ -29,6 +29,10 @@ const STEP: f64 = 5e-8;
 
 /// 40 × `rows` points alone, with the given cracks.
 fn lattice(rows: usize, cracks: &[[[f64; 2]; 2]]) -> Model {
+    lattice_of(rows, cracks, paper_lattice(DX, Placement::CellCentred))
+}
+
+fn lattice_of(rows: usize, cracks: &[[[f64; 2]; 2]], settings: PeridynamicSettings) -> Model {
     let grid = Grid {
         size: [40.0 * DX, rows as f64 * DX],
         count: [4, 4],
@@ -36,7 +40,7 @@ fn lattice(rows: usize, cracks: &[[[f64; 2]; 2]]) -> Model {
     };
     let mut mesh = grid.plain();
     name_cells(&mut mesh, "points", |_| true);
-    let method = Method::Peridynamics(paper_lattice(DX, Placement::CellCentred));
+    let method = Method::Peridynamics(settings);
     let curve = curve(&mut mesh, cracks);
     let regions = vec![region(&mesh, &["points"], steel(), method)];
     let cracks = Cracks::new(&mesh, &curve);
@@ -154,7 +158,7 @@ fn limits(model: &Model) -> Limits {
     };
     let young = steel().young;
     let micromodulus = &model.points[0].micromodulus;
-    let class = |spring| u8::from(spring < model.bond_count);
+    let class = |spring| u32::from(spring < model.bond_count);
     Limits {
         table: vec![
             CriticalStretch::UNBREAKABLE,
@@ -204,8 +208,12 @@ fn damage_of_the_row_beside_a_straight_crack() {
 
 /// The energy at s0 of all bonds across a cut, per length, over G0 = c0 s0² M3. The cut runs along
 /// `direction`; bonds are counted that cross it within `periods` of the lattice.
-fn discrete_energy_release_rate(direction: [f64; 2], period: f64, periods: f64) -> f64 {
-    let model = lattice(40, &[]);
+fn discrete_energy_release_rate(
+    model: &Model,
+    direction: [f64; 2],
+    period: f64,
+    periods: f64,
+) -> f64 {
     // A quarter of a cell off the middle, so that no point lies on the cut.
     let through = [20.0 * DX, 20.25 * DX];
     let micromodulus = &model.points[0].micromodulus;
@@ -227,20 +235,55 @@ fn discrete_energy_release_rate(direction: [f64; 2], period: f64, periods: f64) 
         let along = dot(a, direction) + share * (dot(b, direction) - dot(a, direction));
         // Shifted by an odd share of a period: no crossing on the window's ends.
         if (0.0..window).contains(&(along + 0.5 * window - 0.123 * period)) {
-            energy += 0.5 * model.springs.stiffness[spring] * (s0 * length(&model, spring)).powi(2);
+            energy += 0.5 * model.springs.stiffness[spring] * (s0 * length(model, spring)).powi(2);
         }
     }
-    let g0 = micromodulus.c0 * s0 * s0 * micromodulus.third_moment();
+    let moment = micromodulus.kernel.third_moment() * micromodulus.horizon.powi(4);
+    let g0 = micromodulus.c0 * s0 * s0 * moment;
     energy / (window * model.settings.thickness) / g0
 }
 
 #[test]
 fn discrete_energy_release_rate_along_the_axis_and_at_45_degrees() {
-    let straight = discrete_energy_release_rate([1.0, 0.0], DX, 8.0);
-    assert_eq!(format!("{straight:.4}"), "0.9849");
-    let half = 0.5f64.sqrt();
-    let oblique = discrete_energy_release_rate([half, half], DX / half, 8.0);
-    assert_eq!(format!("{oblique:.4}"), "0.9947");
+    let raw = paper_lattice(DX, Placement::CellCentred);
+    let isotropised = PeridynamicSettings {
+        isotropised: true,
+        ..raw
+    };
+    for (settings, printed) in [
+        (raw, ["0.9849", "0.9947"]),
+        (isotropised, ["0.9962", "0.9960"]),
+    ] {
+        let model = lattice_of(40, &[], settings);
+        let straight = discrete_energy_release_rate(&model, [1.0, 0.0], DX, 8.0);
+        let half = 0.5f64.sqrt();
+        let oblique = discrete_energy_release_rate(&model, [half, half], DX / half, 8.0);
+        assert_eq!(
+            [straight, oblique].map(|rate| format!("{rate:.4}")),
+            printed
+        );
+        // The mean of both scales the critical stretch that an energy release rate gives, where the
+        // micromodulus is isotropised.
+        let micromodulus = &model.points[0].micromodulus;
+        let continuum = micromodulus.c0 * micromodulus.kernel.third_moment();
+        let continuum = continuum * micromodulus.horizon.powi(4);
+        let strength = Strength::EnergyReleaseRate(0.14);
+        let s0 = CriticalStretch::new(strength, steel().young, micromodulus).tension;
+        let mean = 0.5 * (straight + oblique);
+        let expected = if settings.isotropised { mean } else { 1.0 };
+        // Sums of some hundred bonds in another order.
+        assert!(
+            (0.14 / (continuum * s0 * s0) / expected - 1.0).abs() < 1e-12,
+            "{s0}"
+        );
+        // A strength does not know of it: the lattice carries E s.
+        let strength = Strength::Stress {
+            tensile: 2e6,
+            compressive: None,
+        };
+        let s_t = CriticalStretch::new(strength, steel().young, micromodulus).tension;
+        assert_eq!(s_t, 2e6 / steel().young);
+    }
 }
 
 fn free_state(model: &Model) -> State {

@@ -6,6 +6,7 @@ mod workplace;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
+use std::path::Path;
 use std::process::Command;
 use workplace::{BINARY, repository};
 
@@ -13,28 +14,49 @@ use workplace::{BINARY, repository};
 const PRINTED: f64 = 0.0005e-5;
 
 /// Pipeline, u_x of its probe `tip` [m], tolerance [m].
-const CASES: [(&str, f64, f64); 5] = [
+const CASES: [(&str, f64, f64); 6] = [
     ("cantilever_pd", 1.0268e-5, PRINTED),
     ("cantilever_hybrid_q4", 1.0428e-5, PRINTED),
     ("cantilever_hybrid_q8", 1.0469e-5, PRINTED),
     ("cantilever_fem_q8", 1.0468e-5, PRINTED),
     // Exact: what is left is rounding.
     ("cantilever_fem_q8_rollers", 1.05e-5, 1.05e-15),
+    // −0.05 % of σL/E: the free edges of the band, corrected by `force`.
+    ("cantilever_clip_q8_rollers", 1.04948e-5, 0.00001e-5),
 ];
 
-/// Pipeline, steps of the first break and of the separation; the paper separates at 92 and 63.
-const PLATES: [(&str, RangeInclusive<u64>, RangeInclusive<u64>); 2] = [
-    ("plate_mode_i", 43..=47, 90..=94),
-    ("plate_two_cracks", 28..=30, 62..=64),
+/// Pipeline, steps of the first break and of the separation; the paper separates at 92 and 63. The
+/// steps that are drawn: the paper's and one between.
+type Plate = (
+    &'static str,
+    RangeInclusive<u64>,
+    RangeInclusive<u64>,
+    [u64; 3],
+);
+const PLATES: [Plate; 2] = [
+    ("plate_mode_i", 43..=47, 90..=94, [57, 75, 92]),
+    ("plate_two_cracks", 28..=30, 62..=64, [39, 50, 63]),
 ];
+
+/// Tested in files of their own.
+const ELSEWHERE: [&str; 1] = ["compact_tension"]; // tests/snap_back.rs
+
+/// Two phases: what pushes in the first stays.
+const PROGRAMME: &str = "shear_then_tension";
+/// Traction at the end of its first phase [Pa].
+const SHEAR: f64 = 3e6;
 
 fn run(name: &str, more: &[&str]) -> Value {
     let results = tempfile::tempdir().expect("a temporary folder");
+    run_in(results.path(), name, more)
+}
+
+fn run_in(results: &Path, name: &str, more: &[&str]) -> Value {
     let output = Command::new(BINARY)
         .arg("run")
         .arg(repository().join(format!("pipelines/{name}.yaml")))
         .arg("--results")
-        .arg(results.path())
+        .arg(results)
         .args(more)
         .output()
         .expect("the binary starts");
@@ -43,7 +65,7 @@ fn run(name: &str, more: &[&str]) -> Value {
         "{}",
         String::from_utf8_lossy(&output.stderr)
     );
-    let summary = std::fs::read(results.path().join(name).join("summary.json"));
+    let summary = std::fs::read(results.join(name).join("summary.json"));
     serde_json::from_slice(&summary.expect("a summary")).expect("JSON")
 }
 
@@ -86,16 +108,22 @@ fn finite_elements_on_rollers_are_exact() {
 }
 
 fn assert_plate(index: usize) {
-    let (name, onset, separation) = &PLATES[index];
+    let (name, onset, separation, drawn) = &PLATES[index];
     let summary = run(name, &["--set", "output.every=1000"]);
     assert_eq!(summary["outcome"], "separated", "{name}");
     let fracture = &summary["fracture"];
     let step = |point: &str| fracture[point]["step"].as_u64().expect("a step");
     assert!(onset.contains(&step("first_break")), "{name}: {fracture}");
     assert!(separation.contains(&step("end")), "{name}: {fracture}");
-    // The start, the first break and the end have frames whatever `output.every` says.
-    let frames = serde_json::json!([0, step("first_break"), step("end")]);
-    assert_eq!(fracture["frames"], frames, "{name}");
+    // The start, the first break, the end and what is drawn have frames whatever `output.every` says.
+    let mut frames = BTreeSet::from([0, step("first_break"), step("end")]);
+    frames.extend(drawn);
+    assert_eq!(fracture["frames"], serde_json::json!(frames), "{name}");
+    for step in drawn {
+        let file = format!("damage_{step:06}.png");
+        let files = summary["files"].as_array().expect("files");
+        assert!(files.iter().any(|f| *f == file), "{name}: {file}");
+    }
 }
 
 #[test]
@@ -106,6 +134,49 @@ fn the_plate_with_one_crack() {
 #[test]
 fn the_plate_with_two_cracks() {
     assert_plate(1);
+}
+
+/// The programme of two phases: the dead load of the first stays what it is, force times area, while the
+/// second breaks bonds, and the energies balance.
+#[test]
+fn shear_then_tension() {
+    let results = tempfile::tempdir().expect("a temporary folder");
+    let more = ["--set", "loading.steps=25", "--set", "output.every=1000"];
+    let summary = run_in(results.path(), PROGRAMME, &more);
+    assert_eq!(summary["outcome"], "step limit");
+    assert_eq!(
+        summary["fracture"]["phases"],
+        serde_json::json!(["shear", "tension"])
+    );
+    let history = std::fs::read_to_string(results.path().join(PROGRAMME).join("history.csv"));
+    let history = history.expect("a history");
+    let mut lines = history.lines();
+    let names: Vec<&str> = lines.next().expect("names").split(',').collect();
+    let column = |line: &str, name: &str| -> f64 {
+        let index = names.iter().position(|n| *n == name).expect(name);
+        let cell = line.split(',').nth(index).expect("a cell");
+        cell.parse().expect("a number")
+    };
+    // Traction, height and thickness [N].
+    let pushed = SHEAR * 0.1 * 0.05;
+    let mut broken = 0.0;
+    for (index, line) in lines.enumerate() {
+        let phase = line.split(',').nth(1);
+        assert_eq!(phase, Some(["shear", "tension"][usize::from(index > 0)]));
+        // Both forces are sums over nodes, exact to rounding.
+        let held = column(line, "reaction_frame_x_n") + column(line, "reaction_pulled_x_n");
+        assert!((held + pushed).abs() < 1e-9 * pushed, "{held} N");
+        let vertical = column(line, "reaction_frame_y_n") + column(line, "reaction_pulled_y_n");
+        assert!(vertical.abs() < 1e-8 * pushed, "{vertical} N");
+        let work = column(line, "external_work_j");
+        let balance = work - column(line, "elastic_energy_j") - column(line, "dissipated_energy_j");
+        assert!(balance.abs() < 1e-10 * work, "{balance} J of {work} J");
+        broken = column(line, "bonds_broken_total");
+    }
+    assert!(
+        broken >= 24.0,
+        "every event of the second phase breaks a bond"
+    );
 }
 
 #[test]
@@ -119,7 +190,12 @@ fn every_pipeline_is_tested() {
             .into_owned()
     });
     let plates = PLATES.iter().map(|plate| plate.0);
-    let cases = CASES.iter().map(|case| case.0).chain(plates);
+    let cases = CASES
+        .iter()
+        .map(|case| case.0)
+        .chain(plates)
+        .chain(ELSEWHERE)
+        .chain([PROGRAMME]);
     let tested: BTreeSet<String> = cases.map(str::to_owned).collect();
     assert_eq!(stems.collect::<BTreeSet<_>>(), tested);
 }

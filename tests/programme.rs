@@ -60,7 +60,7 @@ fn plate() -> (Model, Limits) {
         compressive: Some(20e6),
     };
     let limit = CriticalStretch::new(strength, steel().young, &model.points[0].micromodulus);
-    let class = |spring| u8::from(spring < model.bond_count);
+    let class = |spring| u32::from(spring < model.bond_count);
     let limits = Limits {
         table: vec![CriticalStretch::UNBREAKABLE, limit],
         class: (0..model.springs.len()).map(class).collect(),
@@ -249,7 +249,7 @@ fn unloading_and_reloading_break_nothing_below_the_old_load() {
     assert!(broken(0) > 0);
     assert_eq!(of_phase(1).count(), top as usize);
     assert_eq!(broken(1), 0, "on the way down");
-    let down = of_phase(1).last().expect("a step");
+    let down = of_phase(1).next_back().expect("a step");
     // Back at the start: nothing is stored, and the displacement is that of the intact body, zero.
     assert!(down.state.energy.elastic.abs() < 1e-12 * down.state.energy.external);
     let largest = down.state.displacement.iter().flatten();

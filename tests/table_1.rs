@@ -10,6 +10,7 @@ mod common;
 
 use common::*;
 use peristitch::boundary::Boundary;
+use peristitch::coupling::Coupling;
 use peristitch::coupling::truss::NodeArea;
 use peristitch::fem::edge::EdgeLoad;
 use peristitch::material::PlaneState;
@@ -17,6 +18,7 @@ use peristitch::mesh::{CellKind, Mesh};
 use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings, Region};
 use peristitch::peridynamics::kernel::{Kernel, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
+use peristitch::peridynamics::surface::SurfaceCorrection;
 use peristitch::phases::Phases;
 use peristitch::statics;
 
@@ -25,10 +27,14 @@ const PAPER: Method = Method::Peridynamics(PeridynamicSettings {
         spacing: 2.5e-3,
         placement: Placement::GridNodes,
         cell_area: CellArea::Full,
+        angle: 0.0,
+        origin: None,
     },
     horizon_ratio: 4.0,
     kernel: Kernel::Quartic,
     partial_area: PartialArea::Full,
+    isotropised: false,
+    surface_correction: SurfaceCorrection::None,
 });
 
 fn bar(kind: CellKind) -> Mesh {
@@ -50,7 +56,7 @@ fn tip(mesh: Mesh, regions: Vec<Region>, rollers: bool) -> f64 {
     let settings = ModelSettings {
         plane: PlaneState::Stress,
         thickness: 1.0,
-        node_area: NodeArea::Lumped,
+        coupling: Coupling::Truss(NodeArea::Lumped),
     };
     let corner = mesh
         .nodes

@@ -33,6 +33,7 @@
 mod common;
 
 use common::*;
+use peristitch::coupling::Coupling;
 use peristitch::coupling::truss::NodeArea;
 use peristitch::material::PlaneState;
 use peristitch::mesh::CellKind;
@@ -66,7 +67,7 @@ fn errors(kind: CellKind, h: usize, node_area: NodeArea, island: Method) -> [f64
     let settings = ModelSettings {
         plane: PlaneState::Stress,
         thickness: 0.7,
-        node_area,
+        coupling: Coupling::Truss(node_area),
     };
     let model = Model::build(mesh, regions, settings).expect("a sound model");
     let points = if island == Method::FiniteElements {

@@ -48,17 +48,17 @@ pub fn trusses(
         let mut family = Vec::new();
         bins.visit_around(end.position, |j| {
             let x = points[j as usize];
-            let xi = (x[0] - end.position[0]).hypot(x[1] - end.position[1]);
-            if xi <= reach {
-                family.push((j, xi));
+            let along = [x[0] - end.position[0], x[1] - end.position[1]];
+            if along[0].hypot(along[1]) <= reach {
+                family.push((j, along));
             }
         });
         family.sort_unstable_by_key(|&(j, _)| j);
-        for (j, xi) in family {
+        for (j, along) in family {
             let areas = [end.area, areas[j as usize]];
             trusses.push(
                 [end.node, first_node + j],
-                micromodulus.axial_stiffness(xi, areas, thickness),
+                micromodulus.axial_stiffness(along, areas, thickness),
             );
         }
     }

@@ -49,6 +49,14 @@ impl CriticalStretch {
         }
     }
 
+    /// The limits of a bond that breaks when either of two would.
+    pub fn weaker(self, other: CriticalStretch) -> CriticalStretch {
+        CriticalStretch {
+            tension: self.tension.min(other.tension),
+            compression: self.compression.min(other.compression),
+        }
+    }
+
     /// Eq. (5): whether the bond breaks at the stretch `s`.
     pub fn is_exceeded(&self, s: f64) -> bool {
         s > self.tension || s < -self.compression

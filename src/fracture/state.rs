@@ -183,7 +183,8 @@ impl State {
             let spring = spring as usize;
             let length = model.springs.length(spring, &model.positions);
             let after = length * response.stretch(problem, spring, load);
-            self.energy.dissipated += 0.5 * model.springs.stiffness[spring] * before * after;
+            let stiffness = model.bond_share(spring) * model.springs.stiffness[spring];
+            self.energy.dissipated += 0.5 * stiffness * before * after;
         }
     }
 
@@ -279,6 +280,23 @@ pub fn damage(model: &Model, intact: &[bool]) -> Vec<f64> {
             }
         }
     }
+    let ghosts = model.splice.iter().flat_map(|splice| &splice.ghosts);
+    for (bond, ghost) in (model.springs.pairs().len()..).zip(ghosts) {
+        let xi = model.springs.length(bond, &model.positions);
+        let area = model.ghost_area(ghost) * model.area_fraction(ghost.point as usize, xi);
+        let own = ghost.point as usize - first;
+        whole[own] += area;
+        if !intact[bond] {
+            broken[own] += area;
+        }
+    }
+    for share in &model.clipped {
+        let own = share.point as usize - first;
+        whole[own] += share.area;
+        if !intact[model.springs.pairs().len() + share.spring as usize] {
+            broken[own] += share.area;
+        }
+    }
     broken
         .iter()
         .zip(whole)
@@ -292,7 +310,7 @@ pub struct Limits {
     /// The different ones.
     pub table: Vec<CriticalStretch>,
     /// Which one each spring has.
-    pub class: Vec<u8>,
+    pub class: Vec<u32>,
 }
 
 impl Limits {

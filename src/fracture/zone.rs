@@ -42,16 +42,10 @@ pub struct Zone {
 
 impl Zone {
     /// `load` breaks the next bond.
-    pub fn new(
-        problem: &Problem,
-        state: &State,
-        factorised: &Factorised,
-        base: &Solutions,
-        load: Load,
-    ) -> Zone {
+    pub fn new(problem: &Problem, state: &State, flops: f64, base: &Solutions, load: Load) -> Zone {
         let model = problem.model;
         // Square roots are the same on every machine.
-        let width = NODES * (factorised.flops() / 1e9).sqrt().sqrt();
+        let width = NODES * (flops / 1e9).sqrt().sqrt();
         let count = width.clamp(NODES, MOST_NODES) as usize;
         let nodes = most_strained_nodes(problem, state, base, load, count);
         let mut local = vec![u32::MAX; model.node_count()];
@@ -205,15 +199,15 @@ impl Front {
         zone: &Zone,
         base: &Solutions,
         values: &Values,
-    ) -> Front {
+    ) -> Option<Front> {
         let dofs = &zone.dofs;
         let on_zone = |u: &Solution| -> Vec<f64> {
             dofs.iter().map(|&d| u.displacement[d / 2][d % 2]).collect()
         };
         let functionals = &problem.programme.functionals;
         let all = fields(functionals, factorised, 2 * state.displacement.len());
-        Front {
-            compliance: factorised.compliance(dofs),
+        Some(Front {
+            compliance: factorised.compliance(dofs)?,
             pending: Vec::new(),
             displacement: [
                 base.held.as_ref().map(on_zone).unwrap_or_default(),
@@ -224,7 +218,7 @@ impl Front {
                 .collect(),
             values: values.clone(),
             intact: vec![true; zone.springs.len()],
-        }
+        })
     }
 
     /// Takes a spring away; whether all is still held.

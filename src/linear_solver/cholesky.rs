@@ -1,5 +1,6 @@
 //! Sparse Cholesky factorisation K = L Lᵀ by faer: symbolic once, numeric as often as K changes.
 
+use super::SolverError;
 use super::ordering::{Ordering, dof_permutation, elimination_order};
 use crate::assembly::{Lists, LowerMatrix};
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -13,18 +14,6 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::{Conj, MatMut, Par, Side};
 use std::sync::Arc;
-use thiserror::Error;
-
-#[derive(Debug, Error)]
-pub enum SolverError {
-    #[error("METIS could not order {nodes} nodes (status {status})")]
-    Ordering { nodes: usize, status: i32 },
-    #[error("not enough memory to analyse a system of {dofs} unknowns")]
-    OutOfMemory { dofs: usize },
-    /// The pivot of this dof is not positive: K is singular or indefinite.
-    #[error("the stiffness matrix is not positive definite at dof {dof}")]
-    NotPositiveDefinite { dof: usize },
-}
 
 /// Below this a second thread costs more than it brings (docs/performance.md).
 const PARALLEL_FLOPS: f64 = 1e10;

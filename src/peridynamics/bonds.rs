@@ -1,7 +1,7 @@
 //! Families and bonds: all pairs of material points within the horizon of each other.
 
 use super::kernel::Micromodulus;
-use crate::springs::{self, Springs};
+use crate::springs::Springs;
 use rayon::prelude::*;
 
 /// All pairs i < j with |x_j − x_i| ≤ `reach`, sorted; O(N) by a grid of square bins.
@@ -24,6 +24,17 @@ pub fn neighbour_pairs(positions: &[[f64; 2]], reach: f64) -> Vec<[u32; 2]> {
     families.concat()
 }
 
+/// The family of an inner lattice point, in spacings from it, row by row.
+pub fn family_offsets(micromodulus: &Micromodulus) -> Vec<[i32; 2]> {
+    let reach = micromodulus.reach() / micromodulus.spacing;
+    let steps = reach as i32;
+    let rows = (-steps..=steps).flat_map(|q| (-steps..=steps).map(move |p| [p, q]));
+    let is_near = |&[p, q]: &[i32; 2]| f64::from(p).hypot(f64::from(q)) <= reach;
+    rows.filter(|&offset| offset != [0, 0])
+        .filter(is_near)
+        .collect()
+}
+
 /// The bonds of one peridynamic region with their stiffness k = c(ξ) A_i A_j h_t / ξ
 /// [N/m], eq. (19). `areas`: one per point [m²]. Ends count from `first_node`.
 pub fn bonds(
@@ -36,9 +47,10 @@ pub fn bonds(
     let pairs = neighbour_pairs(positions, micromodulus.reach());
     let stiffness = pairs
         .par_iter()
-        .map(|&pair| {
-            let (xi, _) = springs::axis(pair, positions);
-            micromodulus.axial_stiffness(xi, pair.map(|i| areas[i as usize]), thickness)
+        .map(|&[i, j]| {
+            let (a, b) = (positions[i as usize], positions[j as usize]);
+            let areas = [areas[i as usize], areas[j as usize]];
+            micromodulus.axial_stiffness([b[0] - a[0], b[1] - a[1]], areas, thickness)
         })
         .collect();
     let pairs = pairs

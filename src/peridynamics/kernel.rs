@@ -3,6 +3,7 @@
 //! c0 follows from equal energy densities: with M2 = ∫₀^δ g ξ² dξ the modulus of the family is
 //! C12 = C66 = (π/8) c0 M2, and ν = 1/3 (plane stress) or 1/4 (plane strain) makes C12 = 3E/8 or 2E/5.
 
+use super::isotropy::{self, Isotropy};
 use crate::material::{Material, PlaneState};
 use std::f64::consts::PI;
 
@@ -84,6 +85,11 @@ pub struct Micromodulus {
     pub spacing: f64,
     /// c0 per unit thickness [N/m⁵]; eq. (10) for the quartic kernel in plane stress.
     pub c0: f64,
+    /// What corrects c(ξ) for the lattice's quadrature; [`Isotropy::RAW`] leaves it as it is.
+    pub isotropy: Isotropy,
+    /// The lattice's energy release rate over that of the continuum at one critical stretch; 1 where
+    /// the kernel is raw [-].
+    pub energy_release_ratio: f64,
 }
 
 /// Bonds a relative 1e-9 longer than the horizon belong to the family: lattice coordinates carry
@@ -110,7 +116,18 @@ impl Micromodulus {
             horizon,
             spacing,
             c0,
+            isotropy: Isotropy::RAW,
+            energy_release_ratio: 1.0,
         }
+    }
+
+    /// The same with a c*(ξ) that gives the lattice the material's moduli, see [`isotropy`]; the
+    /// lattice's energy release rate is told along with it.
+    pub fn isotropised(mut self) -> Micromodulus {
+        self.isotropy = Isotropy::RAW;
+        self.isotropy = Isotropy::on_lattice(&self);
+        self.energy_release_ratio = isotropy::energy_release_ratio(&self);
+        self
     }
 
     /// The longest bond [m].
@@ -122,9 +139,15 @@ impl Micromodulus {
         longest * (1.0 + REACH_TOLERANCE)
     }
 
-    /// M3 = ∫₀^δ g ξ³ dξ [m⁴], which links the energy release rate to the critical stretch.
+    /// M2 = ∫₀^δ g ξ² dξ [m³].
+    pub fn second_moment(&self) -> f64 {
+        self.kernel.second_moment() * self.horizon.powi(3)
+    }
+
+    /// M3 [m⁴], which links the energy release rate to the critical stretch, G = c0 s0² M3: ∫₀^δ g ξ³ dξ,
+    /// times the lattice's [`energy_release_ratio`](Self::energy_release_ratio) where it is isotropised.
     pub fn third_moment(&self) -> f64 {
-        self.kernel.third_moment() * self.horizon.powi(4)
+        self.energy_release_ratio * self.kernel.third_moment() * self.horizon.powi(4)
     }
 
     /// The share of a neighbour's area that counts at the distance `xi` [-].
@@ -137,9 +160,9 @@ impl Micromodulus {
         }
     }
 
-    /// Axial stiffness k = c(ξ) A_i A_j h_t / ξ of a bond or truss [N/m], Qian et al. (2021),
-    /// eqs. (19) and (20), which print force densities: times the two areas and the thickness.
-    pub fn axial_stiffness(&self, xi: f64, areas: [f64; 2], thickness: f64) -> f64 {
+    /// c(ξ) of a bond along `bond` = x_j − x_i [m], partial area and isotropisation included [N/m⁵].
+    pub fn density(&self, bond: [f64; 2]) -> f64 {
+        let xi = bond[0].hypot(bond[1]);
         let r = xi / self.horizon;
         // A bond of exactly δ, whatever the rounding errors: kernels that fade are zero there.
         let r = if (r - 1.0).abs() <= REACH_TOLERANCE {
@@ -148,7 +171,15 @@ impl Micromodulus {
             r
         };
         let c = self.c0 * self.kernel.value(r) * self.area_fraction(xi);
-        c * areas[0] * areas[1] * thickness / xi
+        c * self.isotropy.factor(bond)
+    }
+
+    /// Axial stiffness k = c(ξ) A_i A_j h_t / ξ of a bond or truss along `bond` = x_j − x_i [m], in N/m;
+    /// Qian et al. (2021), eqs. (19) and (20), which print force densities: times the two areas and
+    /// the thickness.
+    pub fn axial_stiffness(&self, bond: [f64; 2], areas: [f64; 2], thickness: f64) -> f64 {
+        let xi = bond[0].hypot(bond[1]);
+        self.density(bond) * areas[0] * areas[1] * thickness / xi
     }
 }
 
@@ -224,7 +255,7 @@ mod tests {
             for (kernel, fades) in [(Kernel::Quartic, true), (Kernel::Constant, false)] {
                 let c = micromodulus(kernel, PlaneState::Stress);
                 assert_eq!(
-                    c.axial_stiffness(xi, [1.0; 2], 1.0) == 0.0,
+                    c.axial_stiffness([xi, 0.0], [1.0; 2], 1.0) == 0.0,
                     fades,
                     "{kernel:?}"
                 );

@@ -1,5 +1,7 @@
 //! The lattice: material points x_i with areas A_i that stand for a region, eq. (16).
 
+use super::axes::Axes;
+use super::point_index::PointIndex;
 use crate::geometry::{Outline, nearest_on_segment};
 use rayon::prelude::*;
 
@@ -27,25 +29,73 @@ pub struct LatticeSettings {
     pub spacing: f64,
     pub placement: Placement,
     pub cell_area: CellArea,
+    /// From the x axis to the lattice's first axis, counter-clockwise [rad].
+    pub angle: f64,
+    /// A corner of the grid's squares [m]; `None`: that of the region's box along the lattice's axes.
+    pub origin: Option<[f64; 2]>,
+}
+
+impl LatticeSettings {
+    /// Parallel to x and y, anchored at the region's box.
+    pub fn upright(spacing: f64, placement: Placement, cell_area: CellArea) -> LatticeSettings {
+        LatticeSettings {
+            spacing,
+            placement,
+            cell_area,
+            angle: 0.0,
+            origin: None,
+        }
+    }
+
+    /// The lattice's axes.
+    pub fn axes(&self) -> Axes {
+        Axes::new(self.angle)
+    }
+
+    /// The same lattice seen along its own axes.
+    pub fn along_axes(&self) -> LatticeSettings {
+        LatticeSettings {
+            angle: 0.0,
+            origin: self.origin.map(|origin| self.axes().local(origin)),
+            ..*self
+        }
+    }
 }
 
 /// Material points, row by row from the lower left.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Lattice {
     /// x_i [m].
     pub positions: Vec<[f64; 2]>,
     /// A_i [m²].
     pub areas: Vec<f64>,
+    pub index: PointIndex,
+}
+
+/// What lies on the other side of an interface.
+#[derive(Clone, Copy, Debug)]
+pub struct Neighbourhood<'a> {
+    /// The segments shared with finite elements.
+    pub interface: &'a [[[f64; 2]; 2]],
+    /// Points nearer to the interface than this share of dx are left out [-].
+    pub clearance: f64,
+    /// What cells at the interface are clipped by in place of the region, if the lattice goes on
+    /// beyond it.
+    pub body: Option<&'a Outline>,
 }
 
 /// Points within this fraction of dx of the boundary lie on it: mesh coordinates carry noise of
 /// a relative 1e-10.
-const ON_BOUNDARY: f64 = 1e-6;
+pub const ON_BOUNDARY: f64 = 1e-6;
+
+/// Squares whose centre is farther than this from a segment do not touch it [dx].
+const HALF_DIAGONAL: f64 = 0.7072;
 
 /// Areas within this fraction of dx² of the whole square are the whole square.
 const WHOLE_CELL: f64 = 1e-9;
 
-/// Fills `outline` with material points.
+/// Fills `outline` with material points. All is seen along the lattice's axes: `settings.angle` is not
+/// looked at.
 ///
 /// `interface`: the segments shared with finite elements. Points on them are left out, since the
 /// interface nodes sit there; the first column is then dx away.
@@ -54,24 +104,116 @@ pub fn lattice(
     interface: &[[[f64; 2]; 2]],
     settings: &LatticeSettings,
 ) -> Lattice {
+    let neighbourhood = Neighbourhood {
+        interface,
+        clearance: ON_BOUNDARY,
+        body: None,
+    };
+    lattice_beside(outline, &neighbourhood, settings)
+}
+
+/// The same where an interface may be more than a row of nodes.
+pub fn lattice_beside(
+    outline: &Outline,
+    neighbourhood: &Neighbourhood,
+    settings: &LatticeSettings,
+) -> Lattice {
     let grid = Grid::new(outline, settings);
     let mut kept = grid.points_inside(outline);
-    grid.drop_points_on(interface, &mut kept);
+    for &segment in neighbourhood.interface {
+        grid.visit_points_near(segment, neighbourhood.clearance, |k| kept[k] = false);
+    }
     let areas = match settings.cell_area {
         CellArea::Full => kept
             .iter()
             .map(|&k| if k { grid.dx * grid.dx } else { 0.0 })
             .collect(),
-        CellArea::Clipped => grid.clipped_areas(outline, interface, &kept),
+        CellArea::Clipped => grid.clipped_areas(outline, neighbourhood, &kept),
     };
     let points = (0..kept.len()).filter(|&k| kept[k]);
     let (positions, areas) = points
         .map(|k| (grid.position(k % grid.columns, k / grid.columns), areas[k]))
         .unzip();
-    Lattice { positions, areas }
+    Lattice {
+        positions,
+        areas,
+        index: PointIndex::new(grid.first, grid.dx, [grid.columns, grid.rows], &kept),
+    }
+}
+
+/// The lattice of a region continued over the whole body, finite elements and other regions included:
+/// what a family would find if all of the body were points.
+#[derive(Clone, Debug)]
+pub struct Sites {
+    grid: Grid,
+    /// Area of the site over dx²; zero outside the body [-].
+    pub shares: Vec<f64>,
+}
+
+impl Sites {
+    /// `outline` anchors the lattice, `margin` is how many spacings it reaches past that outline's box.
+    pub fn new(
+        outline: &Outline,
+        body: &Outline,
+        settings: &LatticeSettings,
+        margin: usize,
+    ) -> Sites {
+        let grid = Grid::new(outline, settings).widened(margin);
+        let kept = grid.points_inside(body);
+        let whole = grid.dx * grid.dx;
+        let shares = match settings.cell_area {
+            CellArea::Full => kept.iter().map(|&k| f64::from(u8::from(k))).collect(),
+            CellArea::Clipped => {
+                // Rounding leaves slivers outside, which a whole cell takes up.
+                let share = |area: f64| {
+                    let share = area / whole;
+                    if (share - 1.0).abs() < WHOLE_CELL {
+                        1.0
+                    } else {
+                        share
+                    }
+                };
+                let free = Neighbourhood {
+                    interface: &[],
+                    clearance: ON_BOUNDARY,
+                    body: None,
+                };
+                let areas = grid.clipped_areas(body, &free, &kept);
+                areas.into_iter().map(share).collect()
+            }
+        };
+        Sites { grid, shares }
+    }
+
+    /// Columns and rows.
+    pub fn counts(&self) -> [usize; 2] {
+        [self.grid.columns, self.grid.rows]
+    }
+
+    /// [m].
+    pub fn position(&self, site: usize) -> [f64; 2] {
+        let columns = self.grid.columns;
+        self.grid.position(site % columns, site / columns)
+    }
+
+    /// Column and row of a position, fractions included.
+    pub fn coordinates(&self, position: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| (position[axis] - self.grid.first[axis]) / self.grid.dx)
+    }
+
+    /// The site nearest to a position on the grid.
+    pub fn nearest(&self, position: [f64; 2]) -> usize {
+        let [column, row] = [0, 1].map(|axis| {
+            let index = (position[axis] - self.grid.first[axis]) / self.grid.dx;
+            let last = self.counts()[axis] - 1;
+            (index.round().max(0.0) as usize).min(last)
+        });
+        row * self.grid.columns + column
+    }
 }
 
 /// The grid of candidate points over the region's bounding box.
+#[derive(Clone, Debug)]
 struct Grid {
     /// The candidate (0, 0) [m].
     first: [f64; 2],
@@ -82,8 +224,14 @@ struct Grid {
 
 impl Grid {
     fn new(outline: &Outline, settings: &LatticeSettings) -> Grid {
-        let [low, high] = outline.bounds();
+        let [mut low, high] = outline.bounds();
         let dx = settings.spacing;
+        if let Some(origin) = settings.origin {
+            for axis in 0..2 {
+                let steps = (low[axis] - origin[axis]) / dx;
+                low[axis] = origin[axis] + (steps + ON_BOUNDARY).floor() * dx;
+            }
+        }
         let squares = |axis: usize| (high[axis] - low[axis]) / dx;
         let (shift, [columns, rows]) = match settings.placement {
             Placement::CellCentred => (
@@ -101,6 +249,16 @@ impl Grid {
             dx,
             columns,
             rows,
+        }
+    }
+
+    /// The same grid with so many more columns and rows on every side.
+    fn widened(&self, margin: usize) -> Grid {
+        Grid {
+            first: self.first.map(|x| x - margin as f64 * self.dx),
+            dx: self.dx,
+            columns: self.columns + 2 * margin,
+            rows: self.rows + 2 * margin,
         }
     }
 
@@ -137,14 +295,9 @@ impl Grid {
         rows.concat()
     }
 
-    fn drop_points_on(&self, segments: &[[[f64; 2]; 2]], kept: &mut [bool]) {
-        for &segment in segments {
-            self.visit_points_on(segment, |k| kept[k] = false);
-        }
-    }
-
-    fn visit_points_on(&self, segment: [[f64; 2]; 2], mut visit: impl FnMut(usize)) {
-        let tolerance = ON_BOUNDARY * self.dx;
+    /// The candidates within `share` dx of a segment.
+    fn visit_points_near(&self, segment: [[f64; 2]; 2], share: f64, mut visit: impl FnMut(usize)) {
+        let tolerance = share * self.dx;
         let [a, b] = segment;
         let range = |axis: usize| {
             let (low, high) = (a[axis].min(b[axis]), a[axis].max(b[axis]));
@@ -160,21 +313,32 @@ impl Grid {
     }
 
     /// |square ∩ region| of every candidate [m²]. What belongs to a candidate that is not kept goes
-    /// to its nearest kept neighbour, but for points on the interface: the finite-element nodes
-    /// there carry that area.
+    /// to its nearest kept neighbour, but for points at the interface: the finite elements carry
+    /// that area.
     fn clipped_areas(
         &self,
         outline: &Outline,
-        interface: &[[[f64; 2]; 2]],
+        neighbourhood: &Neighbourhood,
         kept: &[bool],
     ) -> Vec<f64> {
-        let rows: Vec<Vec<f64>> = (0..self.rows)
-            .into_par_iter()
-            .map(|row| self.row_areas(outline, row))
-            .collect();
-        let mut areas = rows.concat();
-        for &segment in interface {
-            self.visit_points_on(segment, |k| areas[k] = 0.0);
+        let areas_in = |outline: &Outline| -> Vec<f64> {
+            let rows: Vec<Vec<f64>> = (0..self.rows)
+                .into_par_iter()
+                .map(|row| self.row_areas(outline, row))
+                .collect();
+            rows.concat()
+        };
+        let mut areas = areas_in(outline);
+        if let Some(body) = neighbourhood.body {
+            let beyond = areas_in(body);
+            for &segment in neighbourhood.interface {
+                self.visit_points_near(segment, HALF_DIAGONAL, |k| {
+                    areas[k] = if kept[k] { beyond[k] } else { 0.0 };
+                });
+            }
+        }
+        for &segment in neighbourhood.interface {
+            self.visit_points_near(segment, neighbourhood.clearance, |k| areas[k] = 0.0);
         }
         for k in (0..areas.len()).filter(|&k| !kept[k]) {
             let sliver = std::mem::take(&mut areas[k]);
@@ -237,11 +401,7 @@ mod tests {
     }
 
     fn settings(placement: Placement, cell_area: CellArea) -> LatticeSettings {
-        LatticeSettings {
-            spacing: 0.1,
-            placement,
-            cell_area,
-        }
+        LatticeSettings::upright(0.1, placement, cell_area)
     }
 
     #[test]

@@ -3,10 +3,12 @@
 //! factorisations is a function of the state at the first.
 
 use super::checkpoint::Checkpoint;
+use super::damage_picture::Latest;
 use super::folder::{file_error, remove};
 use super::history::{Line, header};
 use super::plan::{Loading, Plan};
 use super::run::{Observer, RunError};
+use super::spec::Output;
 use super::stamp;
 use super::validate::{limits, programme};
 use crate::fracture::control::{self, Ending, Problem, Record, Resolution};
@@ -44,6 +46,8 @@ pub struct Fractured {
     /// Steps that have a frame.
     pub frames: Vec<usize>,
     pub ending: Ending,
+    /// Number of nodes of each part that has come off.
+    pub fragments: Vec<usize>,
     /// Why there is no solution any more, where the run ended so.
     pub reason: Option<String>,
     /// The last state.
@@ -109,8 +113,10 @@ pub(super) fn run(
     }
     let start = Instant::now();
     let first = state.step;
+    let mut latest = Latest::default();
     let ending = control::run(&problem, &mut state, phases, |state, record, response| {
         writer.step(state, record, response)?;
+        latest.show(plan, model, state.step, &state.intact)?;
         let rate = start.elapsed().as_secs_f64() / (state.step - first) as f64;
         observer.progress(&progress(&problem, writer.history.last(), rate));
         Ok::<(), RunError>(())
@@ -241,7 +247,11 @@ impl<'a> Writer<'a> {
             .map_err(|source| file_error("write", &self.csv_path, source))?;
         self.journal.add(&line)?;
         self.history.push(line);
-        if first_break || state.step.is_multiple_of(self.plan.output.every) {
+        let Output {
+            every, pictures_at, ..
+        } = &self.plan.output;
+        let is_pictured = pictures_at.contains(&state.step);
+        if first_break || is_pictured || state.step.is_multiple_of(*every) {
             if response.is_last() {
                 self.frame(state)?;
             } else {
@@ -326,6 +336,7 @@ impl<'a> Writer<'a> {
             history: self.history,
             frames: self.frames,
             ending,
+            fragments: state.fragments.iter().map(Vec::len).collect(),
             reason: state.stopped.as_ref().map(|(_, reason)| reason.clone()),
             intact: state.intact.clone(),
             solution: Solution {
@@ -417,14 +428,16 @@ pub(super) fn forget_frames(folder: &Path) -> Result<(), RunError> {
 fn crack_lengths(model: &Model, limits: &Limits) -> Vec<f64> {
     let mut lengths = vec![0.0; model.springs.len()];
     for (spring, length) in lengths.iter_mut().enumerate() {
-        let region = model.region_of_spring(spring);
-        let points = region.and_then(|r| model.points.iter().find(|p| p.region == r));
+        let regions = model.regions_of_spring(spring);
+        let points = regions.and_then(|[r, _]| model.points_of(r));
         let breakable = limits.of(spring).tension.is_finite();
         if let (true, Some(points)) = (breakable, points) {
             let xi = model.springs.length(spring, &model.positions);
             // The critical stretch cancels.
-            let energy = 0.5 * model.springs.stiffness[spring] * xi * xi;
-            let rate = points.micromodulus.c0 * points.micromodulus.third_moment();
+            let stiffness = model.bond_share(spring) * model.springs.stiffness[spring];
+            let energy = 0.5 * stiffness * xi * xi;
+            let c0 = model.material_factor(spring) * points.micromodulus.c0;
+            let rate = c0 * points.micromodulus.third_moment();
             *length = energy / (rate * model.settings.thickness);
         }
     }

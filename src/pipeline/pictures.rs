@@ -1,18 +1,37 @@
 //! The pictures of a run: mesh, displacements, damage, reaction over grip displacement.
 
+use super::damage_picture::{DAMAGE_PICTURE, damage_file, damage_picture, dots};
+use super::fracture::read_frame;
 use super::history::Line;
 use super::results::{Outcome, ResultsError};
+use super::run::RunError;
 use super::solved::Course;
 use crate::fem::element::MappedPoint;
-use crate::fracture::state;
 use crate::geometry::{chords, chords_of};
+use crate::model::Method;
 use crate::output::picture::{
-    self, Axis, Chart, Curve, Dot, FieldPicture, Filling, Mark, MeshPicture, Patch, Square,
+    self, Axis, Chart, Curve, FieldPicture, Filling, Mark, MeshPicture, Patch, Square,
 };
 use std::path::Path;
 
 impl Outcome<'_> {
-    pub(super) fn write_pictures(&self, folder: &Path) -> Result<Vec<String>, ResultsError> {
+    pub(super) fn write_pictures(&self, folder: &Path) -> Result<Vec<String>, RunError> {
+        let mut files = self.write_shapes(folder)?;
+        if self.has_damage() {
+            files.extend(self.write_damage(folder)?);
+        }
+        if let Some(course) = &self.solved.fracture {
+            let picture = self.load_displacement(course).draw();
+            let file = "load_displacement.png";
+            let written = picture.and_then(|picture| picture.write(&folder.join(file)));
+            written.map_err(ResultsError::from)?;
+            files.push(file.to_owned());
+        }
+        Ok(files)
+    }
+
+    /// The mesh and the displacements.
+    fn write_shapes(&self, folder: &Path) -> Result<Vec<String>, ResultsError> {
         self.mesh_picture()
             .draw()?
             .write(&folder.join("mesh.png"))?;
@@ -23,19 +42,53 @@ impl Outcome<'_> {
                 .write(&folder.join(file))?;
             files.push(file.to_owned());
         }
-        if self.has_damage() {
-            self.damage_picture()
-                .draw()?
-                .write(&folder.join("damage.png"))?;
-            files.push("damage.png".to_owned());
-        }
-        if let Some(course) = &self.solved.fracture {
-            self.load_displacement(course)
-                .draw()?
-                .write(&folder.join("load_displacement.png"))?;
-            files.push("load_displacement.png".to_owned());
+        Ok(files)
+    }
+
+    /// Damage of the last state, and of the steps that the pipeline names.
+    fn write_damage(&self, folder: &Path) -> Result<Vec<String>, RunError> {
+        let draw = |step: Option<usize>, intact: &[bool], file: &str| {
+            let picture = damage_picture(self.plan, self.model, step, intact).draw()?;
+            picture.write(&folder.join(file))
+        };
+        let course = self.solved.fracture.as_ref();
+        let last = course.and_then(|course| course.history.last());
+        let step = last.map(|line| line.step);
+        draw(step, &self.solved.intact, DAMAGE_PICTURE).map_err(ResultsError::from)?;
+        let mut files = vec![DAMAGE_PICTURE.to_owned()];
+        for step in course.map_or_else(Vec::new, |course| self.pictured(course)) {
+            let frame = read_frame(&self.plan.folder, step)?;
+            let file = damage_file(step);
+            draw(Some(step), &frame.intact, &file).map_err(ResultsError::from)?;
+            files.push(file);
         }
         Ok(files)
+    }
+
+    /// The steps of `output.pictures_at` that the run has come to.
+    fn pictured(&self, course: &Course) -> Vec<usize> {
+        let wanted = |step: &usize| self.plan.output.pictures_at.contains(step);
+        course.frames.iter().copied().filter(wanted).collect()
+    }
+
+    /// What to say of steps in `output.pictures_at` that the run has not come to.
+    pub(super) fn missing_pictures(&self) -> Option<String> {
+        let course = self.solved.fracture.as_ref();
+        let frames = course.map_or(&[][..], |course| &course.frames);
+        let output = &self.plan.output;
+        let missing = output.pictures_at.iter().filter(|s| !frames.contains(s));
+        let missing: Vec<String> = missing.map(ToString::to_string).collect();
+        if !output.pictures || missing.is_empty() {
+            return None;
+        }
+        let end = match course.and_then(|course| course.history.last()) {
+            Some(line) => format!("the run ended with step {}", line.step),
+            None => "without `loading` there are no steps".to_owned(),
+        };
+        let missing = missing.join(", ");
+        Some(format!(
+            "output.pictures_at: no picture of step {missing}: {end}"
+        ))
     }
 
     /// Reaction over grip displacement; over the load factor where nothing is displaced.
@@ -90,44 +143,16 @@ impl Outcome<'_> {
         }
     }
 
-    /// Damage of the last state.
-    fn damage_picture(&self) -> FieldPicture {
-        let model = self.model;
-        let course = self.solved.fracture.as_ref();
-        let damage = state::damage(model, &self.solved.intact);
-        let squares = self.dots().into_iter().zip(damage);
-        let cells = model
-            .elements
-            .iter()
-            .map(|&(_, cell)| &model.mesh.cells[cell]);
-        let edges = cells.flat_map(|cell| cell.edges());
-        FieldPicture {
-            title: match course.and_then(|course| course.history.last()) {
-                Some(line) => format!("{}: damage at step {}", self.plan.name, line.step),
-                None => format!("{}: damage", self.plan.name),
-            },
-            quantity: "damage".to_owned(),
-            unit: String::new(),
-            deformation_scale: None,
-            facets: Vec::new(),
-            squares: squares
-                .map(|(dot, value)| Square {
-                    centre: dot.centre,
-                    side: dot.side,
-                    value,
-                })
-                .collect(),
-            lines: edges.map(|edge| chords(&edge, &model.mesh.nodes)).collect(),
-        }
-    }
-
     fn mesh_picture(&self) -> MeshPicture {
         let model = self.model;
+        let dots = dots(model);
         let region = |(index, region): (usize, &crate::model::Region)| {
-            let points = model.points.iter().find(|p| p.region == index);
-            let (name, filling, count) = match points {
-                Some(points) => ("peridynamics", Filling::Points, points.nodes.len()),
-                None => ("finite elements", Filling::Cells, region.cells.len()),
+            let (name, filling, count) = match region.method {
+                Method::Peridynamics(_) => {
+                    let points = dots.iter().filter(|dot| dot.region == index);
+                    ("peridynamics", Filling::Points, points.count())
+                }
+                Method::FiniteElements => ("finite elements", Filling::Cells, region.cells.len()),
             };
             picture::Region {
                 name: region.name.clone(),
@@ -149,28 +174,11 @@ impl Outcome<'_> {
         MeshPicture {
             title: format!("{}: mesh and regions", self.plan.name),
             regions: model.regions.iter().enumerate().map(region).collect(),
+            points: dots,
             cells: model.elements.iter().map(patch).collect(),
-            points: self.dots(),
             interfaces: edges.map(|e| chords(e, &model.mesh.nodes)).collect(),
             cracks: cracks.map(|edge| chords(edge, &model.mesh.nodes)).collect(),
         }
-    }
-
-    fn dots(&self) -> Vec<Dot> {
-        let points = self.model.points.iter();
-        let dot = |(node, side, region): (usize, f64, usize)| Dot {
-            centre: self.model.positions[node],
-            side,
-            region,
-        };
-        points
-            .flat_map(|p| {
-                p.nodes
-                    .clone()
-                    .map(|n| (n, p.micromodulus.spacing, p.region))
-            })
-            .map(dot)
-            .collect()
     }
 
     /// u_x or u_y on the deformed shape.
@@ -200,7 +208,7 @@ impl Outcome<'_> {
                 (point.position, value)
             }));
         }
-        let squares = self.dots().into_iter().zip(model.fe_node_count()..);
+        let squares = dots(model).into_iter().zip(model.fe_node_count()..);
         let squares = squares.map(|(dot, node)| Square {
             centre: moved(node),
             side: dot.side,
@@ -216,6 +224,7 @@ impl Outcome<'_> {
             title: format!("{}: displacement u_{}", self.plan.name, ['x', 'y'][axis]),
             quantity: format!("u_{}", ['x', 'y'][axis]),
             unit: "m".to_owned(),
+            range: None,
             deformation_scale: exaggeration,
             facets,
             squares: squares.collect(),

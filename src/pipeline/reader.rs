@@ -5,6 +5,7 @@ use super::plan::{Condition, GeometryPlan, Loading, PhasePlan, Probe, RegionPlan
 use super::quantity::{self, Dimension};
 use super::source::{InputError, Source, choices, quoted};
 use super::spec::{self, Spec};
+use crate::coupling::Coupling;
 use crate::coupling::truss::NodeArea;
 use crate::fem::edge::EdgeLoad;
 use crate::fracture::control::{Control, Until};
@@ -14,6 +15,7 @@ use crate::material::{Material, PlaneState};
 use crate::model::{Method, PeridynamicSettings};
 use crate::peridynamics::kernel::{Kernel, PartialArea};
 use crate::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
+use crate::peridynamics::surface::SurfaceCorrection;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -301,8 +303,15 @@ impl Reader<'_> {
         found.map(Some).ok_or_else(unknown)
     }
 
-    pub(super) fn node_area(&self) -> Result<NodeArea, InputError> {
-        let written = &self.spec.coupling.truss.node_area;
+    pub(super) fn coupling(&self) -> Result<Coupling, InputError> {
+        match &self.spec.coupling {
+            spec::Coupling::Truss(truss) => self.node_area(&truss.node_area).map(Coupling::Truss),
+            spec::Coupling::Clip => Ok(Coupling::Clip),
+            spec::Coupling::Splice => Ok(Coupling::Splice),
+        }
+    }
+
+    fn node_area(&self, written: &spec::Scalar) -> Result<NodeArea, InputError> {
         match written.0.as_str() {
             "lumped" => Ok(NodeArea::Lumped),
             "half-edge" => Ok(NodeArea::HalfEdge),
@@ -387,8 +396,12 @@ impl Reader<'_> {
             ("horizon", region.horizon.is_some()),
             ("kernel", region.kernel.is_some()),
             ("points", region.points.is_some()),
+            ("angle", region.angle.is_some()),
+            ("origin", region.origin.is_some()),
             ("cell_area", region.cell_area.is_some()),
             ("partial_area", region.partial_area.is_some()),
+            ("micromodulus", region.micromodulus.is_some()),
+            ("surface_correction", region.surface_correction.is_some()),
         ];
         match lattice_keys.iter().find(|(_, given)| *given) {
             Some((name, _)) => Err(self.source.error(
@@ -423,13 +436,74 @@ impl Reader<'_> {
             spacing,
             placement: region.points.map_or(Placement::CellCentred, placement),
             cell_area: region.cell_area.map_or(CellArea::Clipped, cell_area),
+            angle: self.lattice_angle(index, region)?,
+            origin: self.lattice_origin(index, region)?,
         };
+        self.check_clip(index, region)?;
         Ok(Method::Peridynamics(PeridynamicSettings {
             lattice,
             horizon_ratio: self.horizon(&key("horizon"), written, spacing)?,
             kernel: region.kernel.map_or(Kernel::Quartic, kernel),
             partial_area: region.partial_area.map_or(PartialArea::Full, partial_area),
+            isotropised: !matches!(region.micromodulus, Some(spec::Micromodulus::Raw)),
+            surface_correction: region
+                .surface_correction
+                .map_or(SurfaceCorrection::Force, surface_correction),
         }))
+    }
+
+    /// The lattice's angle to the x axis [rad].
+    fn lattice_angle(&self, index: usize, region: &spec::Region) -> Result<f64, InputError> {
+        let key = format!("regions/{index}/angle");
+        let Some(written) = &region.angle else {
+            return Ok(0.0);
+        };
+        let text = written.0.trim();
+        let degrees = text.strip_suffix("deg").or(text.strip_suffix('°'));
+        let number = degrees.or(text.strip_suffix("rad")).unwrap_or(text);
+        let value: f64 = match number.trim().parse() {
+            Ok(value) if f64::is_finite(value) => value,
+            _ => {
+                let help = "write degrees, `20 deg`, or radians, `0.35`";
+                let message = format!("`{text}` is not an angle");
+                return Err(self.source.error(&key, message, Some(help.to_owned())));
+            }
+        };
+        Ok(if degrees.is_some() {
+            value.to_radians()
+        } else {
+            value
+        })
+    }
+
+    fn lattice_origin(
+        &self,
+        index: usize,
+        region: &spec::Region,
+    ) -> Result<Option<[f64; 2]>, InputError> {
+        let Some([x, y]) = &region.origin else {
+            return Ok(None);
+        };
+        let at = |k: usize, written| {
+            let key = format!("regions/{index}/origin/{k}");
+            self.quantity(&key, written, Dimension::LENGTH)
+        };
+        Ok(Some([at(0, x)?, at(1, y)?]))
+    }
+
+    /// Clipped bonds and finite elements must have one elasticity.
+    fn check_clip(&self, index: usize, region: &spec::Region) -> Result<(), InputError> {
+        let is_clip = matches!(self.spec.coupling, spec::Coupling::Clip);
+        if !is_clip || !matches!(region.micromodulus, Some(spec::Micromodulus::Raw)) {
+            return Ok(());
+        }
+        let message = "the clip needs a lattice with the finite elements' moduli, and a raw \
+                       micromodulus has others: 0.6 % of a uniform strain would be wrong beside the \
+                       interface"
+            .to_owned();
+        let help = "remove `micromodulus`, or write `micromodulus: isotropised`".to_owned();
+        let key = format!("regions/{index}/micromodulus");
+        Err(self.source.error(&key, message, Some(help)))
     }
 
     /// m = δ/dx from a number of spacings or a length.
@@ -597,6 +671,16 @@ fn partial_area(written: spec::PartialArea) -> PartialArea {
     match written {
         spec::PartialArea::Full => PartialArea::Full,
         spec::PartialArea::Hhb => PartialArea::Hhb,
+    }
+}
+
+fn surface_correction(written: spec::SurfaceCorrection) -> SurfaceCorrection {
+    match written {
+        spec::SurfaceCorrection::None => SurfaceCorrection::None,
+        spec::SurfaceCorrection::Volume => SurfaceCorrection::Volume,
+        spec::SurfaceCorrection::Energy => SurfaceCorrection::Energy,
+        spec::SurfaceCorrection::Force => SurfaceCorrection::Force,
+        spec::SurfaceCorrection::LeastSquares => SurfaceCorrection::LeastSquares,
     }
 }
 

@@ -37,6 +37,7 @@ pub(super) fn recipe(
         "loading.to",
         "loading.phases",
         "output.every",
+        "output.pictures_at",
     ];
     let (settings, inputs) = match stage {
         Stage::Mesh => {

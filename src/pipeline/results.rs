@@ -7,6 +7,7 @@ use super::run::RunError;
 use super::solved::Solved;
 use super::spec::OutputField;
 use crate::boundary::Boundary;
+use crate::fields::points::PointFields;
 use crate::fields::{NodalFields, stretches};
 use crate::fracture::state;
 use crate::model::{Method, Model};
@@ -167,6 +168,16 @@ impl Outcome<'_> {
             .iter()
             .map(|a| a * model.settings.thickness)
             .collect();
+        let PointFields { strain, stress } =
+            PointFields::new(model, &frame.displacement, &frame.intact);
+        if self.wants(OutputField::Stress) {
+            part.point_data
+                .push(Field::symmetric_tensor(FieldName::Stress, stress));
+        }
+        if self.wants(OutputField::Strain) {
+            part.point_data
+                .push(Field::symmetric_tensor(FieldName::Strain, strain));
+        }
         if self.has_damage() {
             let damage = state::damage(model, &frame.intact);
             part.point_data
@@ -176,10 +187,7 @@ impl Outcome<'_> {
             .push(Field::scalar(FieldName::Area, model.areas.clone()));
         part.point_data
             .push(Field::scalar(FieldName::Volume, volumes));
-        let regions = model
-            .points
-            .iter()
-            .flat_map(|p| p.nodes.clone().map(|_| p.region));
+        let regions = (first..model.node_count()).filter_map(|node| model.region_of_point(node));
         part.cell_data.extend(self.region_fields(regions));
         part
     }
@@ -212,7 +220,7 @@ impl Outcome<'_> {
         let of_stiff = |values: &[f64]| stiff.iter().map(|&s| values[s]).collect();
         let is_truss = stiff
             .iter()
-            .map(|&s| i32::from(s >= model.bond_count))
+            .map(|&s| i32::from(model.is_truss(s)))
             .collect();
         part.cell_data = vec![
             Field::scalar(FieldName::Stretch, of_stiff(&all)),
@@ -266,10 +274,13 @@ impl Outcome<'_> {
             "versions": { "peristitch": env!("CARGO_PKG_VERSION"), "gmsh": self.gmsh_version },
             "sizes": {
                 "finite_elements": count(|m| *m == Method::FiniteElements),
-                "finite_element_nodes": model.fe_node_count(),
+                "finite_element_nodes": model.fe_node_count() - model.inner_nodes().len(),
                 "material_points": model.areas.len(),
                 "bonds": model.bond_count,
-                "trusses": model.springs.len() - model.bond_count,
+                "trusses": model.springs.pairs().len() - model.bond_count,
+                "clipped_bonds": if model.splice.is_some() { 0 } else { model.springs.len() - model.springs.pairs().len() },
+                "ghost_bonds": model.splice.as_ref().map_or(0, |s| s.ghosts.len()),
+                "overlap_elements": model.splice.as_ref().map_or(0, |s| s.overlap.len()),
                 "dofs": self.solved.solution.size.dofs,
                 "stiffness_entries": self.solved.solution.size.stiffness_entries,
                 "factor_entries": self.solved.solution.size.factor_entries,
@@ -323,6 +334,7 @@ impl Outcome<'_> {
             "end": course.history.last().map(point),
             "control": self.plan.spec.loading.as_ref().map(|loading| loading.control),
             "stopped_because": course.reason,
+            "fragments": course.fragments,
             "phases": self.plan.loading.as_ref().map(|loading| {
                 loading.phases.iter().map(|phase| &phase.name).collect::<Vec<_>>()
             }),
@@ -339,7 +351,7 @@ impl Outcome<'_> {
         let first = self.model.fe_node_count();
         let areas = &self.model.areas[points.nodes.start - first..points.nodes.end - first];
         json!({
-            "region": self.model.regions[points.region].name,
+            "region": lattice_name(self.model, points),
             "points": points.nodes.len(),
             "spacing_m": points.micromodulus.spacing,
             "horizon_m": points.micromodulus.horizon,
@@ -352,7 +364,9 @@ impl Outcome<'_> {
         let positions = &self.model.positions;
         let distance =
             |n: usize| (positions[n][0] - probe.at[0]).hypot(positions[n][1] - probe.at[1]);
+        let inner = self.model.inner_nodes();
         let node = (0..positions.len())
+            .filter(|node| !inner.contains(node))
             .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
             .expect("a model has nodes");
         let value = self.solved.solution.displacement[node][probe.axis];
@@ -380,4 +394,11 @@ fn envelope_peak(history: &[Line]) -> Option<Value> {
         "grip_displacement_m": peak.grip_displacement,
         "reaction_n": peak.reaction,
     }))
+}
+
+/// The names of the regions that one lattice covers.
+pub(super) fn lattice_name(model: &Model, points: &crate::model::PointRegion) -> String {
+    let members = model.members(points.region);
+    let names: Vec<&str> = members.map(|r| model.regions[r].name.as_str()).collect();
+    names.join("+")
 }

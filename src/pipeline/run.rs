@@ -1,17 +1,19 @@
 //! Runs the stages that are stale: mesh → solve → output. Bad input is found before anything is
 //! written; what is written appears under its name only when it is whole.
 
+use super::damage_picture::DAMAGE_PICTURE;
 use super::folder::{draft, file_error, hash_of, lock, remove, sweep};
 use super::fracture::{self, Fractured, HISTORY_FILE, forget_checkpoint, frame_file};
 use super::meshing::{mesh_geometry, to_mesh};
 use super::plan::{Loading, Plan};
 use super::recipe::recipe;
-use super::results::{Outcome, ResultsError};
+use super::results::{Outcome, ResultsError, lattice_name};
 use super::solved::{Course, Solved, StoredSolution};
 use super::source::InputError;
 use super::stamp::{self, Manifest, Reasons, Recipe, Stage};
 use super::validate::discretise;
 use crate::boundary::Boundary;
+use crate::coupling::Coupling;
 use crate::fracture::control::Resolution;
 use crate::gmsh::{self, Extract, GmshError};
 use crate::model::Model;
@@ -375,13 +377,16 @@ impl Run<'_> {
         if self.options.force {
             forget_checkpoint(&self.plan.folder)?;
         }
-        // From here on the stage is unfinished; its history is known to `clean`.
-        self.begin(Stage::Solve, &[HISTORY_FILE.to_owned()])?;
+        // From here on the stage is unfinished; `clean` knows what it writes along the way. The picture
+        // is not among its results, and goes when they are whole.
+        let along_the_way = [HISTORY_FILE, DAMAGE_PICTURE].map(str::to_owned);
+        self.begin(Stage::Solve, &along_the_way)?;
         let recipe = serde_json::to_string(recipe).expect("a recipe is plain data");
         let Fractured {
             history,
             frames,
             ending,
+            fragments,
             reason,
             solution,
             intact,
@@ -401,6 +406,7 @@ impl Run<'_> {
                 history,
                 frames,
                 ending,
+                fragments,
                 reason,
             }),
         })
@@ -447,20 +453,26 @@ impl Run<'_> {
             remove(&folder.join(file))?;
         }
         self.finish(Stage::Output, recipe, &files)?;
+        if let Some(missing) = outcome.missing_pictures() {
+            self.observer.warns(&missing);
+        }
         let what = format!("{} files in {}", files.len(), folder.display());
         self.observer.ends(Stage::Output, &what, start.elapsed());
         Ok(summary)
     }
 
     fn warn_of_areas(&mut self, model: &Model) {
-        for points in &model.points {
+        // Where cells go on behind the interface, their areas need not sum to the region's.
+        let is_truss = matches!(model.settings.coupling, Coupling::Truss(_));
+        let points = model.points.iter().filter(|_| is_truss);
+        for points in points {
             let first = model.fe_node_count();
             let areas = &model.areas[points.nodes.start - first..points.nodes.end - first];
             let share = areas.iter().sum::<f64>() / points.area;
             if (share - 1.0).abs() > AREA_WARNING {
                 self.observer.warns(&format!(
                     "the material points of `{}` stand for {:.2} % of its area",
-                    model.regions[points.region].name,
+                    lattice_name(model, points),
                     100.0 * share
                 ));
             }
@@ -540,11 +552,10 @@ fn read_stored<T: for<'de> Deserialize<'de>>(path: &Path) -> Option<(T, Vec<u8>)
 /// The solve stage in one line.
 fn describe(model: &Model, solved: &Solved) -> String {
     let Solution { size, residual, .. } = &solved.solution;
+    let (ties, what) = model.ties();
     let size = format!(
-        "{} unknowns, {} bonds, {} trusses",
-        size.dofs,
-        model.bond_count,
-        model.springs.len() - model.bond_count
+        "{} unknowns, {} bonds, {ties} {what}",
+        size.dofs, model.bond_count
     );
     match &solved.fracture {
         None => format!("{size}; residual {residual:.0e}"),

@@ -21,6 +21,8 @@ pub struct Course {
     /// Steps that have a frame.
     pub frames: Vec<usize>,
     pub ending: Ending,
+    /// Number of nodes of each part that has come off.
+    pub fragments: Vec<usize>,
     /// Why there is no solution any more, where the run ended so.
     pub reason: Option<String>,
 }
@@ -43,6 +45,7 @@ pub(super) struct StoredFracture {
     frames: Vec<usize>,
     /// As [`Ending::describe`] has it.
     ending: String,
+    fragments: Vec<usize>,
     reason: Option<String>,
 }
 
@@ -57,6 +60,7 @@ impl From<&Solved> for StoredSolution {
             history: course.history.clone(),
             frames: course.frames.clone(),
             ending: course.ending.describe().to_owned(),
+            fragments: course.fragments.clone(),
             reason: course.reason.clone(),
         };
         StoredSolution {
@@ -87,6 +91,7 @@ impl From<StoredSolution> for Solved {
             history: stored.history,
             frames: stored.frames,
             ending: Ending::from_description(&stored.ending).unwrap_or(Ending::StepLimit),
+            fragments: stored.fragments,
             reason: stored.reason,
         };
         Solved {

@@ -1,6 +1,7 @@
 //! The pipeline file as it is written (YAML): raw text for every quantity, no unknown key.
 
-use serde::{Deserialize, Deserializer, Serialize, de};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -92,10 +93,20 @@ pub struct Region {
     pub kernel: Option<Kernel>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub points: Option<Points>,
+    /// From the x axis to the lattice's, such as `20 deg`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle: Option<Scalar>,
+    /// A corner of the lattice's squares.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub origin: Option<[Scalar; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cell_area: Option<CellArea>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub partial_area: Option<PartialArea>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub micromodulus: Option<Micromodulus>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surface_correction: Option<SurfaceCorrection>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
@@ -136,11 +147,33 @@ pub enum PartialArea {
     Hhb,
 }
 
-/// `truss`, or `truss: { node_area: … }`.
-#[derive(Clone, Debug, Serialize)]
-pub struct Coupling {
-    pub truss: Truss,
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Micromodulus {
+    Isotropised,
+    Raw,
 }
+
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SurfaceCorrection {
+    None,
+    Volume,
+    Energy,
+    Force,
+    LeastSquares,
+}
+
+/// `clip`, `splice`, `truss`, or `truss: { node_area: … }`.
+#[derive(Clone, Debug)]
+pub enum Coupling {
+    Truss(Truss),
+    Clip,
+    Splice,
+}
+
+/// The words that `coupling` knows.
+const COUPLINGS: &[&str] = &["truss", "clip", "splice"];
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -159,11 +192,23 @@ fn lumped() -> Scalar {
 
 impl Default for Coupling {
     fn default() -> Coupling {
-        Coupling {
-            truss: Truss {
-                node_area: lumped(),
-                breakable: false,
-            },
+        Coupling::Truss(Truss {
+            node_area: lumped(),
+            breakable: false,
+        })
+    }
+}
+
+impl Serialize for Coupling {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Coupling::Truss(truss) => {
+                let mut map = serializer.serialize_map(Some(1))?;
+                map.serialize_entry("truss", truss)?;
+                map.end()
+            }
+            Coupling::Clip => serializer.serialize_str("clip"),
+            Coupling::Splice => serializer.serialize_str("splice"),
         }
     }
 }
@@ -175,13 +220,15 @@ impl<'de> Deserialize<'de> for Coupling {
             type Value = Coupling;
 
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("`truss` or `truss: { node_area: … }`")
+                f.write_str("`clip`, `splice`, `truss` or `truss: { node_area: … }`")
             }
 
             fn visit_str<E: de::Error>(self, text: &str) -> Result<Coupling, E> {
                 match text {
                     "truss" => Ok(Coupling::default()),
-                    _ => Err(E::unknown_variant(text, &["truss"])),
+                    "clip" => Ok(Coupling::Clip),
+                    "splice" => Ok(Coupling::Splice),
+                    _ => Err(E::unknown_variant(text, COUPLINGS)),
                 }
             }
 
@@ -194,7 +241,7 @@ impl<'de> Deserialize<'de> for Coupling {
                     }
                 }
                 truss
-                    .map(|truss| Coupling { truss })
+                    .map(Coupling::Truss)
                     .ok_or_else(|| de::Error::missing_field("truss"))
             }
         }
@@ -331,6 +378,8 @@ pub struct Output {
     /// Write bonds and trusses as lines with their stretch.
     pub bonds: bool,
     pub pictures: bool,
+    /// Steps of a fracture run whose damage is drawn; they have a frame.
+    pub pictures_at: Vec<usize>,
 }
 
 impl Default for Output {
@@ -341,6 +390,7 @@ impl Default for Output {
             every: 1,
             bonds: false,
             pictures: true,
+            pictures_at: Vec::new(),
         }
     }
 }

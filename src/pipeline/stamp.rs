@@ -26,7 +26,8 @@ impl Stage {
     fn version(self) -> u32 {
         match self {
             Stage::Mesh => 1,
-            Stage::Solve | Stage::Output => 2,
+            Stage::Solve => 3,
+            Stage::Output => 2,
         }
     }
 

@@ -3,13 +3,14 @@
 use super::plan::{Condition, Plan, Probe};
 use super::source::{InputError, choices, quoted};
 use crate::boundary::{Boundary, BoundaryError};
+use crate::coupling::splice::SpliceError;
 use crate::cracks::Cracks;
 use crate::fracture::failure::CriticalStretch;
 use crate::fracture::programme::{LoadPhase, Programme};
 use crate::fracture::state::Limits;
 use crate::geometry::Outline;
 use crate::mesh::Mesh;
-use crate::model::{Model, ModelError, Region};
+use crate::model::{Method, Model, ModelError, Region};
 use crate::support::{self, NotHeld};
 
 /// Builds the model and its boundary conditions and checks that the body is held.
@@ -207,29 +208,47 @@ fn cracks(plan: &Plan, mesh: &Mesh) -> Result<Cracks, InputError> {
 }
 
 /// The critical stretch of every bond and truss. Bonds with an end in a `no_fail` surface never
-/// break, nor do trusses unless the pipeline says so.
+/// break, nor do trusses unless the pipeline says so, nor what clipping leaves between two sides of
+/// finite elements.
 pub fn limits(plan: &Plan, model: &Model) -> Limits {
     let unbreakable = unbreakable_points(plan, model);
     let mut table = vec![CriticalStretch::UNBREAKABLE];
     let mut class_of = vec![0; model.regions.len()];
-    for points in &model.points {
-        let planned = &plan.regions[points.region];
-        if let Some(strength) = planned.strength {
-            class_of[points.region] = table.len() as u8;
-            let young = planned.material.young;
-            table.push(CriticalStretch::new(strength, young, &points.micromodulus));
+    for (index, planned) in plan.regions.iter().enumerate() {
+        if let (Some(strength), Method::Peridynamics(settings)) = (planned.strength, planned.method)
+        {
+            class_of[index] = table.len();
+            let material = &planned.material;
+            let micromodulus = settings.micromodulus(material, plan.model.plane);
+            table.push(CriticalStretch::new(
+                strength,
+                material.young,
+                &micromodulus,
+            ));
         }
     }
+    // A bond between two materials breaks when the weaker one would.
+    let own = table.len();
+    for first in 0..own {
+        table.extend(
+            (0..own)
+                .map(|second| table[first].weaker(table[second]))
+                .collect::<Vec<_>>(),
+        );
+    }
     let class = |spring: usize| {
-        let is_truss = spring >= model.bond_count;
+        let is_truss = model.is_truss(spring);
         let mut nodes = model.springs.nodes(spring).iter();
         let held = nodes.any(|&node| unbreakable[node as usize]);
         if held || (is_truss && !plan.trusses_break) {
             return 0;
         }
-        // A truss runs from an element node to a point: the point's material decides.
-        let region = model.region_of_spring(spring);
-        region.map_or(0, |region| class_of[region])
+        // An end in finite elements counts as the other's material.
+        let regions = model.regions_of_spring(spring);
+        regions.map_or(0, |[a, b]| match [class_of[a], class_of[b]] {
+            [first, second] if first == second => first as u32,
+            [first, second] => (own * (1 + first) + second) as u32,
+        })
     };
     let class = (0..model.springs.len()).map(class).collect();
     Limits { table, class }
@@ -282,7 +301,9 @@ fn model_error(plan: &Plan, error: &ModelError) -> InputError {
         ModelError::RegionsTouch { first, second } => (
             key(second),
             format!(
-                "make them one region, `group: [{}, {}]`, or put a finite-element region between",
+                "regions that touch share one lattice: give both the same `spacing`, `horizon`, `kernel`, \
+                 `points` and the like, or make them one region, `group: [{}, {}]`, or put a \
+                 finite-element region between",
                 first.replace('+', ", "),
                 second.replace('+', ", ")
             ),
@@ -296,11 +317,30 @@ fn model_error(plan: &Plan, error: &ModelError) -> InputError {
         ModelError::NoMaterialPoint { region } => {
             (spacing(region), "choose a smaller `spacing`".to_owned())
         }
+        ModelError::Splice { region, source } => (key(region), splice_help(source).to_owned()),
+        ModelError::Surface { region, .. } => (
+            key(region).replace("group", "surface_correction"),
+            "write `surface_correction: force`".to_owned(),
+        ),
         ModelError::TooManyPoints { region, .. } => {
             (spacing(region), "choose a larger `spacing`, and look at its unit".to_owned())
         }
     };
     plan.source.error(&key, error.to_string(), Some(help))
+}
+
+fn splice_help(error: &SpliceError) -> &'static str {
+    match error {
+        SpliceError::NarrowRing { .. } => {
+            "under `coupling: splice` every bond ends in material: make the finite-element region wider \
+             there, the horizon smaller, or extend the peridynamic region to the boundary"
+        }
+        SpliceError::Bridged { .. } => {
+            "mesh the region with smaller elements: two or more nodes between opposite interfaces must \
+             be 2 spacings or farther from both"
+        }
+        SpliceError::NoBlock { .. } => "choose a smaller `spacing`, or make the region wider",
+    }
 }
 
 fn boundary_error(plan: &Plan, index: usize, error: &BoundaryError) -> InputError {

@@ -1,123 +1,18 @@
-//! Structured meshes made in code, so that the physics is tested without a mesher.
-#![allow(dead_code)]
+//! Models on structured meshes made in code, so that the physics is tested without a mesher.
+#![allow(dead_code, unused_imports)]
 
 use peristitch::boundary::Boundary;
+use peristitch::coupling::Coupling;
 use peristitch::coupling::truss::NodeArea;
 use peristitch::material::{Material, PlaneState};
-use peristitch::mesh::{Cell, CellKind, Edge, Mesh};
+pub use peristitch::mesh::grid::{Grid, centre, name_cells, name_curve};
+use peristitch::mesh::{Edge, Mesh};
 use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings, Region};
 use peristitch::peridynamics::kernel::{Kernel, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
+use peristitch::peridynamics::surface::SurfaceCorrection;
 use peristitch::phases::Phases;
 use peristitch::statics;
-use std::collections::HashMap;
-
-/// A rectangle [0, w] × [0, h] of nx × ny quadrilaterals, each cut in two for triangles; corner
-/// nodes are moved by `shift`, mid-side nodes stay in the middle of straight sides.
-pub struct Grid {
-    pub size: [f64; 2],
-    pub count: [usize; 2],
-    pub kind: CellKind,
-}
-
-impl Grid {
-    pub fn mesh(&self, shift: impl Fn([f64; 2]) -> [f64; 2]) -> Mesh {
-        let [nx, ny] = self.count;
-        let corner = |i: usize, j: usize| j * (nx + 1) + i;
-        let mut mesh = Mesh::default();
-        for j in 0..=ny {
-            for i in 0..=nx {
-                let x = [
-                    self.size[0] * i as f64 / nx as f64,
-                    self.size[1] * j as f64 / ny as f64,
-                ];
-                let d = shift(x);
-                mesh.nodes.push([x[0] + d[0], x[1] + d[1]]);
-            }
-        }
-        let mut middles = HashMap::new();
-        for j in 0..ny {
-            for i in 0..nx {
-                let q = [
-                    corner(i, j),
-                    corner(i + 1, j),
-                    corner(i + 1, j + 1),
-                    corner(i, j + 1),
-                ];
-                match self.kind {
-                    CellKind::Quad4 | CellKind::Quad8 => self.push(&mut mesh, &mut middles, &q),
-                    CellKind::Tri3 | CellKind::Tri6 => {
-                        self.push(&mut mesh, &mut middles, &[q[0], q[1], q[2]]);
-                        self.push(&mut mesh, &mut middles, &[q[0], q[2], q[3]]);
-                    }
-                }
-            }
-        }
-        mesh
-    }
-
-    fn push(&self, mesh: &mut Mesh, middles: &mut HashMap<[usize; 2], usize>, corners: &[usize]) {
-        let mut nodes = corners.to_vec();
-        if self.kind.is_quadratic() {
-            for k in 0..corners.len() {
-                let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
-                let next = mesh.nodes.len();
-                let middle = *middles.entry([a.min(b), a.max(b)]).or_insert(next);
-                if middle == next {
-                    let [p, q] = [mesh.nodes[a], mesh.nodes[b]];
-                    mesh.nodes.push([0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])]);
-                }
-                nodes.push(middle);
-            }
-        }
-        mesh.cells.push(Cell::new(self.kind, &nodes));
-    }
-
-    pub fn plain(&self) -> Mesh {
-        self.mesh(|_| [0.0, 0.0])
-    }
-
-    /// Inner corner nodes moved by up to a fifth of an element, the same for every run.
-    pub fn distorted(&self) -> Mesh {
-        let [w, h] = self.size;
-        let step = [w / self.count[0] as f64, h / self.count[1] as f64];
-        self.mesh(|[x, y]| {
-            let inside =
-                x > 1e-9 * w && x < w * (1.0 - 1e-9) && y > 1e-9 * h && y < h * (1.0 - 1e-9);
-            if !inside {
-                return [0.0, 0.0];
-            }
-            let wave = |a: f64, b: f64| (a * x / step[0] + b * y / step[1] + 0.3).sin();
-            [
-                0.2 * step[0] * wave(12.9, 7.2),
-                0.2 * step[1] * wave(5.1, 3.7),
-            ]
-        })
-    }
-}
-
-/// Names the cells whose centre satisfies `inside`.
-pub fn name_cells(mesh: &mut Mesh, name: &str, inside: impl Fn([f64; 2]) -> bool) {
-    let cells = (0..mesh.cells.len())
-        .filter(|&c| inside(centre(mesh, c)))
-        .collect();
-    mesh.surfaces.insert(name.to_owned(), cells);
-}
-
-pub fn centre(mesh: &Mesh, cell: usize) -> [f64; 2] {
-    let corners = mesh.cells[cell].corners();
-    [0, 1].map(|axis| {
-        corners.iter().map(|&n| mesh.nodes[n][axis]).sum::<f64>() / corners.len() as f64
-    })
-}
-
-/// Names the outline's edges both of whose ends satisfy `on`.
-pub fn name_curve(mesh: &mut Mesh, name: &str, on: impl Fn([f64; 2]) -> bool) {
-    let all: Vec<usize> = (0..mesh.cells.len()).collect();
-    let mut edges: Vec<Edge> = mesh.outline(&all);
-    edges.retain(|edge| edge.ends.iter().all(|&n| on(mesh.nodes[n])));
-    mesh.curves.insert(name.to_owned(), edges);
-}
 
 pub fn region(mesh: &Mesh, groups: &[&str], material: Material, method: Method) -> Region {
     let mut cells: Vec<usize> = groups
@@ -176,7 +71,7 @@ pub fn build(mesh: Mesh, regions: Vec<Region>, plane: PlaneState) -> Model {
     let settings = ModelSettings {
         plane,
         thickness: 0.7,
-        node_area: NodeArea::Lumped,
+        coupling: Coupling::Truss(NodeArea::Lumped),
     };
     Model::build(mesh, regions, settings).expect("a sound model")
 }
@@ -184,14 +79,12 @@ pub fn build(mesh: Mesh, regions: Vec<Region>, plane: PlaneState) -> Model {
 /// A square lattice as the paper has it: quartic kernel, m = 4, full areas.
 pub fn paper_lattice(spacing: f64, placement: Placement) -> PeridynamicSettings {
     PeridynamicSettings {
-        lattice: LatticeSettings {
-            spacing,
-            placement,
-            cell_area: CellArea::Full,
-        },
+        lattice: LatticeSettings::upright(spacing, placement, CellArea::Full),
         horizon_ratio: 4.0,
         kernel: Kernel::Quartic,
         partial_area: PartialArea::Full,
+        isotropised: false,
+        surface_correction: SurfaceCorrection::None,
     }
 }
 

@@ -37,6 +37,9 @@ pub struct FieldPicture {
     pub quantity: String,
     /// SI unit of the values, to which a prefix is added; empty for a share.
     pub unit: String,
+    /// Ends of the colour bar [unit of the field], so that several pictures compare; `None`: the
+    /// field's own.
+    pub range: Option<[f64; 2]>,
     /// The factor by which displacements were exaggerated, to be told below the title.
     pub deformation_scale: Option<f64>,
     pub facets: Vec<Facet>,
@@ -59,13 +62,17 @@ impl FieldPicture {
     pub fn draw(&self) -> Result<Picture, PictureError> {
         check_finite(self.positions().flatten().chain(self.values()))?;
         let bounds = Bounds::of(self.positions()).ok_or(PictureError::Empty)?;
-        let bar = ColourBar::new(ColourScale::of(self.values()), &self.unit);
+        let own = ColourScale::of(self.values());
+        let scale = self
+            .range
+            .map_or_else(|| own.clone(), |range| ColourScale::of(range.into_iter()));
+        let bar = ColourBar::new(scale, &self.unit);
+        let note_text = self.note(&own, &bar);
         let room = Room {
             above: GAP + TITLE_SIZE + GAP + TEXT_SIZE + GAP,
             below: GAP,
             right: bar.width(),
-            across: title_width(&self.title)
-                .max(text_width(&self.note(&bar)) + bar.head_width(self)),
+            across: title_width(&self.title).max(text_width(&note_text) + bar.head_width(self)),
         };
         let frame = Frame::around(bounds, room);
         let mut plot = frame.raster();
@@ -73,7 +80,7 @@ impl FieldPicture {
         Picture::compose(frame.clone(), &plot, |page| {
             page.draw_title(&frame, &self.title)?;
             let note = [frame.plot[0], GAP + TITLE_SIZE + GAP + TEXT_SIZE / 2];
-            page.draw_text(&self.note(&bar), note, Anchor::Left)?;
+            page.draw_text(&note_text, note, Anchor::Left)?;
             bar.draw(page, &frame, &self.quantity)
         })
     }
@@ -111,9 +118,9 @@ impl FieldPicture {
     }
 
     /// The line below the title: the field's range and the exaggeration.
-    fn note(&self, bar: &ColourBar) -> String {
-        let [min, max] = [bar.scale.min, bar.scale.max].map(|v| bar.with_unit(v));
-        let mut note = if bar.scale.is_constant() {
+    fn note(&self, own: &ColourScale, bar: &ColourBar) -> String {
+        let [min, max] = [own.min, own.max].map(|v| bar.with_unit(v));
+        let mut note = if own.is_constant() {
             format!("constant {min}")
         } else {
             format!("min {min},  max {max}")
@@ -316,13 +323,27 @@ mod tests {
     }
 
     #[test]
+    fn a_given_range_is_the_same_in_every_picture() {
+        let mut picture = ramp();
+        picture.range = Some([0.0, 10.0]);
+        let drawn = picture.draw().expect("a field");
+        for x in [0.355, 1.705] {
+            assert_close(drawn.colour_at([x, 0.495]), viridis(x / 10.0));
+        }
+        // The note still tells the field's own range.
+        let own = ColourScale::of(picture.values());
+        let bar = ColourBar::new(ColourScale::of([0.0, 10.0].into_iter()), "m");
+        assert_eq!(picture.note(&own, &bar), "min 0 m,  max 1.995 m");
+    }
+
+    #[test]
     fn a_constant_field_is_one_colour_and_says_so() {
         let mut picture = ramp();
         picture.facets.clear();
         picture.squares.iter_mut().for_each(|s| s.value = -2.5e6);
         picture.unit = "Pa".to_owned();
         let bar = ColourBar::new(ColourScale::of(picture.values()), &picture.unit);
-        assert_eq!(picture.note(&bar), "constant −2.500 MPa");
+        assert_eq!(picture.note(&bar.scale, &bar), "constant −2.500 MPa");
         assert_eq!(bar.ticks(300), [(-2.5e6, "−2.500".to_owned())]);
         let drawn = picture.draw().expect("a field");
         assert_close(drawn.colour_at([1.5, 0.5]), viridis(0.5));
@@ -333,7 +354,7 @@ mod tests {
         let mut picture = ramp();
         picture.deformation_scale = Some(20.0);
         let bar = ColourBar::new(ColourScale::of(picture.values()), &picture.unit);
-        let note = picture.note(&bar);
+        let note = picture.note(&bar.scale, &bar);
         assert_eq!(note, "min 0 m,  max 1.995 m,  deformation × 20");
     }
 

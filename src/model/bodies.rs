@@ -1,0 +1,159 @@
+//! Peridynamic regions that touch each other: one lattice, and bonds across.
+//!
+//! The first of them in the pipeline leads; the lattice is laid over all of their cells, and each
+//! material point has the material of the region in which it lies. A bond between two materials has
+//! the harmonic mean of their micromoduli, as if half of it were made of either,
+//!
+//! ```text
+//! c = 2 c_i c_j / (c_i + c_j)
+//! ```
+//!
+//! and an end in finite elements counts as the other end's material. So where two bars of equal
+//! section are glued end to end, the bonds across the joint carry what either side does.
+
+use super::{Interface, Method, Model, ModelError, PointRegion, Region};
+use crate::geometry::Outline;
+use crate::mesh::Mesh;
+use crate::springs::Springs;
+
+/// For every region the one that leads its lattice; itself where it touches no other.
+///
+/// # Errors
+/// [`ModelError::RegionsTouch`] where their lattices differ.
+pub(super) fn leaders(mesh: &Mesh, regions: &[Region]) -> Result<Vec<usize>, ModelError> {
+    let mut leader: Vec<usize> = (0..regions.len()).collect();
+    let is_peridynamic = |r: usize| regions[r].method != Method::FiniteElements;
+    for second in (0..regions.len()).filter(|&r| is_peridynamic(r)) {
+        for first in (0..second).filter(|&r| is_peridynamic(r)) {
+            let (cells, others) = (&regions[first].cells, &regions[second].cells);
+            if mesh.shared_edges(cells, others).is_empty() {
+                continue;
+            }
+            if regions[first].method != regions[second].method {
+                return Err(ModelError::RegionsTouch {
+                    first: regions[first].name.clone(),
+                    second: regions[second].name.clone(),
+                });
+            }
+            let (a, b) = (leader[first], leader[second]);
+            let led = leader.iter_mut().filter(|l| **l == a || **l == b);
+            led.for_each(|l| *l = a.min(b));
+        }
+    }
+    Ok(leader)
+}
+
+/// How far from its ends, in its lengths, it is asked which regions a spring begins and ends in: ends may
+/// lie on an interface.
+const INWARDS: f64 = 0.01;
+
+impl Model {
+    /// The regions of one lattice, its leader first.
+    pub fn members(&self, leader: usize) -> impl Iterator<Item = usize> + '_ {
+        let led = self.leader.iter().enumerate();
+        led.filter(move |&(_, &l)| l == leader)
+            .map(|(region, _)| region)
+    }
+
+    /// The material points of a region, with those of the regions that it touches.
+    pub fn points_of(&self, region: usize) -> Option<&PointRegion> {
+        self.points.iter().find(|p| p.region == self.leader[region])
+    }
+
+    /// The mesh's cells below one lattice, ascending.
+    pub fn lattice_cells(&self, leader: usize) -> Vec<usize> {
+        let members = self.members(leader);
+        let mut cells: Vec<usize> = members
+            .flat_map(|r| self.regions[r].cells.clone())
+            .collect();
+        cells.sort_unstable();
+        cells
+    }
+
+    /// The region that a cell below one lattice belongs to.
+    pub(super) fn owner(&self, leader: usize, cell: usize) -> usize {
+        let has_cell = |r: &usize| self.regions[*r].cells.contains(&cell);
+        self.members(leader).find(has_cell).unwrap_or(leader)
+    }
+
+    /// Where finite elements meet one lattice.
+    pub(super) fn interfaces_of(&self, leader: usize) -> impl Iterator<Item = &Interface> {
+        let interfaces = self.interfaces.iter();
+        interfaces.filter(move |i| self.leader[i.peridynamics] == leader)
+    }
+
+    /// The region in which each of these points lies; on the line between two, the first one.
+    pub(super) fn label(&self, leader: usize, positions: &[[f64; 2]]) -> Vec<u32> {
+        let members: Vec<usize> = self.members(leader).collect();
+        let outlines = self.outlines(&members);
+        let region = |&x: &[f64; 2]| {
+            let inside = outlines.iter().position(|outline| outline.contains(x));
+            members[inside.unwrap_or(0)] as u32
+        };
+        positions.iter().map(region).collect()
+    }
+
+    fn outlines(&self, regions: &[usize]) -> Vec<Outline> {
+        let cells = regions.iter().map(|&r| &self.regions[r].cells);
+        cells
+            .map(|cells| Outline::of_cells(&self.mesh, cells))
+            .collect()
+    }
+
+    /// The peridynamic regions in which a spring begins and ends; `None` between finite elements.
+    pub fn regions_of_spring(&self, spring: usize) -> Option<[usize; 2]> {
+        let nodes = self.springs.nodes(spring);
+        let mut found = nodes
+            .iter()
+            .filter_map(|&n| self.region_of_point(n as usize));
+        let first = found.next()?;
+        if let [a, b] = *nodes
+            && spring < self.springs.pairs().len()
+        {
+            let [a, b] = [a, b].map(|node| self.region_of_point(node as usize));
+            return Some([a.unwrap_or(first), b.unwrap_or(first)]);
+        }
+        let members: Vec<usize> = self.members(self.leader[first]).collect();
+        if members.len() == 1 {
+            return Some([first; 2]);
+        }
+        let [a, b] = self.springs.segment(spring, &self.positions);
+        let outlines = self.outlines(&members);
+        let region = |share: f64| {
+            let x = [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]));
+            let inside = outlines.iter().position(|outline| outline.contains(x));
+            inside.map(|index| members[index])
+        };
+        let ends = [region(INWARDS), region(1.0 - INWARDS)];
+        let other = ends[0].or(ends[1]).unwrap_or(first);
+        Some(ends.map(|end| end.unwrap_or(other)))
+    }
+
+    /// The mean Young's modulus of the two ends of a spring, c being proportional to it, over that of its
+    /// lattice's leader [-].
+    pub fn material_factor(&self, spring: usize) -> f64 {
+        let Some([a, b]) = self.regions_of_spring(spring) else {
+            return 1.0;
+        };
+        let leader = self.regions[self.leader[a]].material.young;
+        let [a, b] = [a, b].map(|region| self.regions[region].material.young);
+        // Exactly one where all are the same.
+        if a == leader && b == leader {
+            1.0
+        } else {
+            2.0 * a * b / (a + b) / leader
+        }
+    }
+
+    /// Gives all springs, which were made with the micromoduli of the leaders, those of their ends.
+    pub(super) fn mix_materials(&mut self) {
+        let leads_others = (0..self.regions.len()).any(|r| self.leader[r] != r);
+        if leads_others {
+            let factors: Vec<f64> = (0..self.springs.len())
+                .map(|spring| self.material_factor(spring))
+                .collect();
+            let Springs { stiffness, .. } = &mut self.springs;
+            stiffness.iter_mut().zip(factors).for_each(|(k, f)| *k *= f);
+        }
+    }
+}

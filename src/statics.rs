@@ -352,14 +352,6 @@ impl Factorised {
         self.system.is_held[dof]
     }
 
-    /// Flops of the factorisation, where it was Cholesky's, without which there is no looking ahead.
-    pub fn flops(&self) -> Option<f64> {
-        match &self.factor {
-            Factor::Cholesky(factor) => Some(factor.flops()),
-            Factor::Lu(_) => None,
-        }
-    }
-
     /// Eᵀ K⁻¹ E of these dofs [m/N], without motion at held ones; from Cholesky's factor only.
     pub fn compliance(&self, dofs: &[usize]) -> Option<Mat<f64>> {
         let Factor::Cholesky(factor) = &self.factor else {

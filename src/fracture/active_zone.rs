@@ -124,7 +124,7 @@ pub fn look_ahead(
     values: &Values,
     load: Load,
 ) -> Option<Ahead> {
-    let zone = Zone::new(problem, state, factorised.flops()?, base, load);
+    let zone = Zone::new(problem, state, base, load);
     let front = Front::new(problem, state, &factorised, &zone, base, values)?;
     let mut scout = Scout {
         problem,

@@ -12,12 +12,9 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use rayon::prelude::*;
 
-/// Nodes of a zone where the factorisation takes 10⁹ flops. A wider zone lasts longer and costs more:
-/// measured, the best width grows with the fourth root of the flops (docs/performance.md).
-const NODES: f64 = 400.0;
-
-/// More nodes than these take as much memory as a fair share of the factor.
-const MOST_NODES: f64 = 1600.0;
+/// Nodes of a zone. A wider one lasts longer and costs more; 400 were the best of 250 to 1000 from
+/// 10 000 to 120 000 dofs (docs/performance.md).
+const NODES: usize = 400;
 
 /// Below this d the bond was about the last to hold something: what is left is a mechanism, or too close
 /// to one for the update.
@@ -44,10 +41,7 @@ impl Zone {
     /// `load` breaks the next bond.
     pub fn new(problem: &Problem, state: &State, flops: f64, base: &Solutions, load: Load) -> Zone {
         let model = problem.model;
-        // Square roots are the same on every machine.
-        let width = NODES * (flops / 1e9).sqrt().sqrt();
-        let count = width.clamp(NODES, MOST_NODES) as usize;
-        let nodes = most_strained_nodes(problem, state, base, load, count);
+        let nodes = most_strained_nodes(problem, state, base, load);
         let mut local = vec![u32::MAX; model.node_count()];
         for (k, &node) in nodes.iter().enumerate() {
             local[node] = 2 * k as u32;
@@ -147,7 +141,6 @@ fn most_strained_nodes(
     state: &State,
     base: &Solutions,
     load: Load,
-    count: usize,
 ) -> Vec<usize> {
     let model = problem.model;
     let utilisation: Vec<f64> = (0..model.springs.len())
@@ -167,7 +160,7 @@ fn most_strained_nodes(
         }
     }
     let mut nodes: Vec<usize> = (0..model.node_count()).collect();
-    let count = count.min(nodes.len());
+    let count = NODES.min(nodes.len());
     let by_score = |a: &usize, b: &usize| score[*b].total_cmp(&score[*a]).then(a.cmp(b));
     if count < nodes.len() {
         nodes.select_nth_unstable_by(count, by_score);

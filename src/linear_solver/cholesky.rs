@@ -195,12 +195,6 @@ pub struct Factor {
 }
 
 impl Factor {
-    /// See [`Symbolic::flops`].
-    pub fn flops(&self) -> f64 {
-        let structure = self.structure.clone();
-        Symbolic { structure }.flops()
-    }
-
     pub(super) fn values(&self) -> &[f64] {
         &self.values
     }

@@ -39,7 +39,7 @@ pub struct Zone {
 
 impl Zone {
     /// `load` breaks the next bond.
-    pub fn new(problem: &Problem, state: &State, flops: f64, base: &Solutions, load: Load) -> Zone {
+    pub fn new(problem: &Problem, state: &State, base: &Solutions, load: Load) -> Zone {
         let model = problem.model;
         let nodes = most_strained_nodes(problem, state, base, load);
         let mut local = vec![u32::MAX; model.node_count()];

@@ -86,7 +86,7 @@ pub fn ladder() -> Vec<Case> {
         slow("centre crack", cracks::measure_centre_crack),
         slow("single-edge bend", bend::measure),
         slow(
-            "Griffith, clamped strip; mirror symmetry",
+            "Griffith, clamped strip; solver equivalence; mirror symmetry",
             griffith::measure,
         ),
     ]

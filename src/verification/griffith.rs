@@ -27,7 +27,7 @@ use super::{Check, Reference, VerificationError};
 use crate::boundary::Boundary;
 use crate::coupling::Coupling;
 use crate::cracks::Cracks;
-use crate::fracture::control::{self, Control, Problem, Record, Until};
+use crate::fracture::control::{self, Control, Problem, Record, Resolution, Until};
 use crate::fracture::failure::{CriticalStretch, Strength};
 use crate::fracture::programme::Programme;
 use crate::fracture::response::Response;
@@ -91,7 +91,8 @@ pub struct Growth {
     pub path: Vec<[f64; 3]>,
     /// Bonds that broke without their mirror image, and all that broke.
     pub unmirrored: usize,
-    pub broken: usize,
+    /// Springs that broke, in their order.
+    pub broken: Vec<u32>,
     /// Bonds that broke and do not cross the crack's line.
     pub off_line: usize,
     /// Largest |external work − elastic − dissipated energy| over the external work.
@@ -139,7 +140,7 @@ impl Growth {
 ///
 /// # Errors
 /// What building and solving report.
-pub fn grow() -> Result<Growth, VerificationError> {
+pub fn grow(resolution: Resolution) -> Result<Growth, VerificationError> {
     let model = strip()?;
     let mut boundary = Boundary::new(&model);
     for (group, sign) in [("top", 0.5), ("bottom", -0.5)] {
@@ -169,6 +170,7 @@ pub fn grow() -> Result<Growth, VerificationError> {
             steps: 12 * GROWTH,
             separated: true,
         },
+        resolution,
     };
     let mut state = State::new(&model, &programme);
     let (mut path, mut imbalance) = (Vec::new(), 0.0f64);
@@ -201,7 +203,7 @@ pub fn grow() -> Result<Growth, VerificationError> {
     Ok(Growth {
         path,
         unmirrored: unmirrored(&model, &gone),
-        broken: gone.len(),
+        broken: state.broken,
         off_line: gone.iter().filter(is_off_line).count(),
         imbalance,
     })
@@ -223,7 +225,14 @@ fn unmirrored(model: &Model, gone: &[usize]) -> usize {
 }
 
 pub fn measure() -> Result<Vec<Check>, VerificationError> {
-    let growth = grow()?;
+    let growth = grow(Resolution::Fast)?;
+    let reference = grow(Resolution::Reference)?;
+    let order = growth.broken.iter().zip(&reference.broken);
+    let differing = order.filter(|(fast, slow)| fast != slow).count();
+    let differing = differing + growth.broken.len().abs_diff(reference.broken.len());
+    let loads = growth.path.iter().zip(&reference.path);
+    let apart = loads.map(|(fast, slow)| (fast[1] / slow[1] - 1.0).abs());
+    let apart = apart.fold(0.0, f64::max);
     let teeth = growth.teeth();
     let mean = teeth.iter().sum::<f64>() / teeth.len() as f64;
     Ok(vec![
@@ -260,6 +269,20 @@ pub fn measure() -> Result<Vec<Check>, VerificationError> {
             reference: Reference::Zero { within: 0.0 },
             source: "symmetry",
             measured: growth.off_line as f64,
+        },
+        Check {
+            case: "solver equivalence",
+            quantity: "bonds broken in another order than refactorised",
+            reference: Reference::Zero { within: 0.0 },
+            source: "exact",
+            measured: differing as f64,
+        },
+        Check {
+            case: "solver equivalence",
+            quantity: "largest difference of λ, relative",
+            reference: Reference::Zero { within: 1e-9 },
+            source: "exact",
+            measured: apart,
         },
         Check {
             case: "mirror symmetry",

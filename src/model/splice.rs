@@ -52,7 +52,9 @@ impl Model {
                 super::check_jacobian(&self.mesh, region, cell)?;
             }
             let cells = overlap.cells.into_iter();
-            splice.overlap.extend(cells.map(|cell| (index, cell)));
+            splice
+                .overlap
+                .extend(cells.map(|cell| (self.owner(index, cell), cell)));
             splice.inner.extend(overlap.inner);
             let slaves = overlap.slaves.into_iter().map(|node| (node, Vec::new()));
             splice.slaves.extend(slaves);
@@ -92,7 +94,7 @@ impl Model {
                 let own = splice
                     .overlap
                     .iter()
-                    .filter(|(region, _)| *region == points.region);
+                    .filter(|(region, _)| self.leader[*region] == points.region);
                 own.flat_map(|&(_, cell)| self.mesh.cells[cell].nodes().to_vec())
                     .collect()
             };

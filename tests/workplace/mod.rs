@@ -47,7 +47,7 @@ materials:
   rock: { young: 30 GPa, poisson: 1/3, tensile_strength: 2.01 MPa, compressive_strength: 20.1 MPa }
 regions:
   - { group: grips, model: fem, material: rock }
-  - { group: band, model: peridynamics, material: rock, spacing: 1 mm, horizon: 3 }
+  - { group: band, model: peridynamics, material: rock, spacing: 1 mm, horizon: 3, micromodulus: raw, surface_correction: none }
 cracks: [crack]
 boundary:
   - { group: top, displacement: { x: 0, y: 2.0e-8 m } }

@@ -1,7 +1,7 @@
 //! The command line: arguments → pipelines, progress to standard error, results to standard output.
 //! Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.
 
-use crate::fracture::control::Ending;
+use crate::fracture::control::{Ending, Resolution};
 use crate::pipeline::folder;
 use crate::pipeline::fracture;
 use crate::pipeline::plan::Plan;
@@ -54,6 +54,9 @@ enum Command {
         /// Number of threads; the results do not depend on it
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
         threads: Option<u16>,
+        /// Factorise anew whenever bonds have broken: slow, to check the fast way against
+        #[arg(long)]
+        reference_solver: bool,
     },
     /// Validate, and print sizes and the memory and time to expect; writes nothing
     Check(Common),
@@ -115,6 +118,7 @@ pub fn main() -> ExitCode {
             force,
             dry_run,
             threads,
+            reference_solver,
         } => {
             if let Some(threads) = threads {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
@@ -123,6 +127,11 @@ pub fn main() -> ExitCode {
             let options = Options {
                 until: until.into(),
                 force,
+                resolution: if reference_solver {
+                    Resolution::Reference
+                } else {
+                    Resolution::Fast
+                },
                 ..Options::default()
             };
             for_each(&common, |plan| {

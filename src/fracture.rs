@@ -3,8 +3,12 @@
 //! Between two breaks the response is linear in the load factor λ, so that one solve for λ = 1
 //! serves until the next bond breaks: u(λ) = λ u_1.
 
+mod active_zone;
 pub mod control;
+pub mod event;
 pub mod failure;
+pub mod functional;
 pub mod programme;
 pub mod response;
 pub mod state;
+mod zone;

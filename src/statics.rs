@@ -8,6 +8,7 @@ use crate::linear_solver::{Factor, SolverError};
 use crate::model::Model;
 use crate::phases::{Phases, peak_memory};
 use crate::support::{self, NotHeld};
+use faer::Mat;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 use structure::Structure;
@@ -195,23 +196,49 @@ impl<'a> Solver<'a> {
         mechanisms: &mut BTreeSet<usize>,
         phases: &mut Phases,
     ) -> Result<Vec<Solution>, StaticsError> {
+        let factorised = self.factorise_broken(intact, pinned, mechanisms, phases)?;
+        let solve = |case: &&Boundary| self.solve_with(&factorised, case, mechanisms, phases);
+        cases.iter().map(solve).collect()
+    }
+
+    /// What [`Solver::solve_broken`] solves with.
+    ///
+    /// # Errors
+    /// See [`StaticsError`].
+    pub fn factorise_broken(
+        &self,
+        intact: &[bool],
+        pinned: &[Vec<usize>],
+        mechanisms: &mut BTreeSet<usize>,
+        phases: &mut Phases,
+    ) -> Result<Factorised, StaticsError> {
         loop {
             let system = self.system(intact, pinned, mechanisms, phases);
             let factor = phases.measure("factorisation", || self.structure.factorise(&system.held));
             match factor {
-                Ok(factor) => {
-                    let solve = |boundary: &&Boundary| {
-                        self.finish(&system, &system.case(boundary), &factor, phases)
-                    };
-                    let solutions: Result<Vec<Solution>, _> = cases.iter().map(solve).collect();
-                    return solutions.map_err(|error| self.swings(error, mechanisms));
-                }
+                Ok(factor) => return Ok(Factorised { system, factor }),
                 // The set grows with every turn, so that the loop ends.
                 Err(SolverError::NotPositiveDefinite { dof } | SolverError::Singular { dof })
                     if mechanisms.insert(dof) => {}
                 Err(error) => return Err(self.locate(error)),
             }
         }
+    }
+
+    /// Solves a case, which prescribes displacements on the same dofs.
+    ///
+    /// # Errors
+    /// See [`StaticsError`]; [`StaticsError::Swings`] where a load acts along a mechanism.
+    pub fn solve_with(
+        &self,
+        factorised: &Factorised,
+        case: &Boundary,
+        mechanisms: &BTreeSet<usize>,
+        phases: &mut Phases,
+    ) -> Result<Solution, StaticsError> {
+        let Factorised { system, factor } = factorised;
+        let solution = self.finish(system, &system.case(case), factor, phases);
+        solution.map_err(|error| self.swings(error, mechanisms))
     }
 
     /// A residual where dofs are held that nothing but a mechanism lets go.
@@ -313,12 +340,108 @@ fn kind(model: &Model, node: usize) -> &'static str {
     }
 }
 
+/// K with its supports, ready to be solved with; bonds that break later are rank-one changes of it.
+pub struct Factorised {
+    system: System,
+    factor: Factor,
+}
+
+impl Factorised {
+    /// Whether supports, a fragment or a mechanism hold a dof.
+    pub fn is_held(&self, dof: usize) -> bool {
+        self.system.is_held[dof]
+    }
+
+    /// Eᵀ K⁻¹ E of these dofs [m/N], without motion at held ones; from Cholesky's factor only.
+    pub fn compliance(&self, dofs: &[usize]) -> Option<Mat<f64>> {
+        let Factor::Cholesky(factor) = &self.factor else {
+            return None;
+        };
+        let mut compliance = factor.compliance(dofs);
+        for (k, &dof) in dofs.iter().enumerate() {
+            if self.is_held(dof) {
+                compliance.row_mut(k).fill(0.0);
+                compliance.col_mut(k).fill(0.0);
+            }
+        }
+        Some(compliance)
+    }
+
+    /// Overwrites forces [N] by the displacements [m] that they add, dof by dof, case after case.
+    pub fn respond(&self, forces: &mut [f64], cases: usize) {
+        let clear = |forces: &mut [f64]| {
+            for case in forces.chunks_exact_mut(self.system.is_held.len()) {
+                let dofs = case.iter_mut().zip(&self.system.is_held);
+                dofs.filter(|(_, held)| **held).for_each(|(f, _)| *f = 0.0);
+            }
+        };
+        clear(forces);
+        match &self.factor {
+            Factor::Cholesky(factor) => factor.solve_many_in_place(forces, cases),
+            Factor::Lu(factor) => {
+                let dofs = self.system.is_held.len();
+                let each = forces.chunks_exact_mut(dofs);
+                each.for_each(|case| factor.solve_in_place(case));
+            }
+        }
+        // Held dofs stand apart in the factor, so that this clears signed zeros only.
+        clear(forces);
+    }
+
+    /// The solution of a case after springs have gone, from the one before, given how far each of them
+    /// would be elongated now [m].
+    pub fn without(
+        &self,
+        model: &Model,
+        case: &Boundary,
+        before: &Solution,
+        gone: &[(usize, f64)],
+    ) -> Solution {
+        let (springs, positions) = (&model.springs, &model.positions);
+        let add = |force: &mut Vec<f64>, spring: usize, f: f64| {
+            springs.for_each_term(spring, positions, |node, w| {
+                force[2 * node as usize] += f * w[0];
+                force[2 * node as usize + 1] += f * w[1];
+            });
+        };
+        let mut change = vec![0.0; 2 * before.displacement.len()];
+        for &(spring, elongation) in gone {
+            add(&mut change, spring, springs.stiffness[spring] * elongation);
+        }
+        self.respond(&mut change, 1);
+        let before_dofs = before.displacement.iter().flatten();
+        let u: Vec<f64> = before_dofs.zip(&change).map(|(u, c)| u + c).collect();
+        let displacement = vectors(&u);
+        let case = self.system.case(case);
+        let mut force = self.force(&u);
+        let rest = self.system.scale(&case);
+        for &(spring, _) in gone {
+            let elongation = springs.length(spring, positions)
+                * springs.stretch(spring, positions, &displacement);
+            add(&mut force, spring, -springs.stiffness[spring] * elongation);
+        }
+        let residual = norm(&case.residual(&force)) / rest;
+        Solution {
+            displacement,
+            reaction: case.reaction(&force),
+            residual,
+            size: before.size,
+        }
+    }
+
+    /// K u [N].
+    pub fn force(&self, displacement: &[f64]) -> Vec<f64> {
+        self.system.stiffness.multiply(displacement)
+    }
+}
+
 /// K with its supports.
 struct System {
     /// K as assembled [N/m].
     stiffness: Stiffness,
     /// K with a positive diagonal alone in the rows and columns of held dofs.
     held: Stiffness,
+    is_held: Vec<bool>,
     /// Dofs of pinned parts.
     pinned: Vec<usize>,
 }
@@ -351,6 +474,7 @@ impl System {
         System {
             stiffness,
             held,
+            is_held,
             pinned,
         }
     }
@@ -404,28 +528,36 @@ impl System {
 
     /// f − K u at free dofs, zero at prescribed ones [N].
     fn residual(&self, case: &Case, u: &[f64]) -> Vec<f64> {
-        let mut residual = self.stiffness.multiply(u);
-        for (dof, r) in residual.iter_mut().enumerate() {
-            *r = if case.prescribed[dof].is_some() {
-                0.0
-            } else {
-                case.load[dof] - *r
-            };
-        }
-        residual
+        case.residual(&self.stiffness.multiply(u))
     }
 
     /// K u − f at prescribed dofs, by node [N].
     fn reaction(&self, case: &Case, u: &[f64]) -> Vec<[f64; 2]> {
-        let mut reaction = self.stiffness.multiply(u);
-        for (dof, r) in reaction.iter_mut().enumerate() {
-            *r = if case.prescribed[dof].is_some() {
-                *r - case.load[dof]
-            } else {
-                0.0
-            };
-        }
-        for (&dof, share) in case.own_share {
+        case.reaction(&self.stiffness.multiply(u))
+    }
+
+    /// ‖f‖₂ over the free dofs, prescribed displacements in f [N].
+    fn scale(&self, case: &Case) -> f64 {
+        let u: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
+        norm(&self.residual(case, &u)).max(f64::MIN_POSITIVE)
+    }
+}
+
+impl Case<'_> {
+    /// f − r at free dofs, zero at prescribed ones, where r = K u [N].
+    fn residual(&self, force: &[f64]) -> Vec<f64> {
+        let dofs = self.prescribed.iter().zip(&self.load).zip(force);
+        dofs.map(|((prescribed, f), r)| if prescribed.is_some() { 0.0 } else { f - r })
+            .collect()
+    }
+
+    /// r − f at prescribed dofs, by node, where r = K u [N].
+    fn reaction(&self, force: &[f64]) -> Vec<[f64; 2]> {
+        let dofs = self.prescribed.iter().zip(&self.load).zip(force);
+        let reaction =
+            dofs.map(|((prescribed, f), r)| if prescribed.is_some() { r - f } else { 0.0 });
+        let mut reaction: Vec<f64> = reaction.collect();
+        for (&dof, share) in self.own_share {
             reaction[dof] *= share;
         }
         vectors(&reaction)

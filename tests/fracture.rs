@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use peristitch::boundary::Boundary;
 use peristitch::cracks::Cracks;
-use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Until};
+use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Resolution, Until};
 use peristitch::fracture::failure::{CriticalStretch, Strength};
 use peristitch::fracture::programme::Programme;
 use peristitch::fracture::response::Response;
@@ -120,17 +120,19 @@ impl Plate {
                 steps,
                 separated: true,
             },
+            resolution: Resolution::Fast,
         }
     }
 
     fn run(&self, state: &mut State, control: Control, steps: usize) -> (Ending, Vec<Step>) {
         let problem = self.problem(control, steps);
         let mut list = Vec::new();
-        let observe = |state: &State, record: Record, _: &Response| {
-            list.push(Step {
-                state: state.clone(),
-                record,
-            });
+        let observe = |state: &State, record: Record, response: &Response| {
+            let mut state = state.clone();
+            if !response.is_last() {
+                state.settle(&problem, response);
+            }
+            list.push(Step { state, record });
             Ok::<(), StaticsError>(())
         };
         let ending = control::run(&problem, state, &mut Phases::default(), observe);
@@ -299,9 +301,10 @@ fn break_exceeded(model: &Model, limits: &Limits, state: &mut State) -> usize {
             steps: 1,
             separated: false,
         },
+        resolution: Resolution::Fast,
     };
     let exceeded = state.exceeded(model, limits);
-    state.break_bonds(&problem, &exceeded)
+    state.break_bonds(&problem, &exceeded, None)
 }
 
 /// u = ε·x with the given ε_xx and ε_yy.
@@ -340,7 +343,7 @@ fn both_branches_break_exactly_what_is_over_its_limit() {
         );
         assert_eq!(broken, expected.len());
         assert_eq!(broken == 0, share == "neither", "{share}: {broken}");
-        assert_eq!(state.broken(&model), broken);
+        assert_eq!(state.broken.len(), broken);
     }
 }
 
@@ -502,11 +505,18 @@ fn steps_are_limited_and_a_run_goes_on_from_its_state() {
         }
         assert_eq!(pieces.len(), whole.len(), "{control:?}");
         for (piece, whole) in pieces.iter().zip(&whole) {
-            assert!(
-                piece.state == whole.state,
-                "{control:?}, step {}",
-                whole.state.step
-            );
+            let step = whole.state.step;
+            let same = match control {
+                // It was stopped between two factorisations, and factorises where the whole run need
+                // not: the same bonds, the same loads but for rounding. tests/restart.rs has the same
+                // bits, from a checkpoint.
+                Control::EventDriven => {
+                    let (own, other) = (piece.state.load.factor, whole.state.load.factor);
+                    piece.state.broken == whole.state.broken && (own / other - 1.0).abs() < 1e-11
+                }
+                _ => piece.state == whole.state,
+            };
+            assert!(same, "{control:?}, step {step}");
         }
         // Behind the end nothing happens.
         assert_eq!(plate.run(&mut state, control, 31).1.len(), 0, "{control:?}");

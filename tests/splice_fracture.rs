@@ -17,7 +17,7 @@ use common::*;
 use peristitch::boundary::Boundary;
 use peristitch::coupling::Coupling;
 use peristitch::cracks::Cracks;
-use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Until};
+use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Resolution, Until};
 use peristitch::fracture::failure::{CriticalStretch, Strength};
 use peristitch::fracture::programme::Programme;
 use peristitch::fracture::response::Response;
@@ -112,6 +112,7 @@ impl Plate {
                 steps: 2000,
                 separated: true,
             },
+            resolution: Resolution::Fast,
         };
         let mut records = Vec::new();
         let observe = |_: &State, record: Record, _: &Response| {

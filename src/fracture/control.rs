@@ -1,7 +1,8 @@
 //! How the load grows while bonds break.
 
+use super::event::{Event, Load};
 use super::programme::{LoadPhase, Programme};
-use super::response::{Event, Load, Response};
+use super::response::Response;
 use super::state::{Limits, State};
 use crate::model::Model;
 use crate::phases::Phases;
@@ -86,7 +87,7 @@ pub const SEPARATED: f64 = 0.02;
 
 /// Bonds within this relative distance of the first one break with it: ties by symmetry differ by
 /// rounding errors only, and none is decided by an index.
-const TIE: f64 = 1e-3;
+pub(super) const TIE: f64 = 1e-3;
 
 /// Everything that a run needs and does not change.
 pub struct Problem<'a> {
@@ -95,6 +96,17 @@ pub struct Problem<'a> {
     pub limits: &'a Limits,
     pub control: Control,
     pub until: Until,
+    pub resolution: Resolution,
+}
+
+/// How the response is found after bonds have broken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Resolution {
+    /// By updates of the last factorisation, as long as they do.
+    #[default]
+    Fast,
+    /// By a factorisation for every response: what all else is checked against.
+    Reference,
 }
 
 /// One line of the history.
@@ -135,6 +147,9 @@ pub fn run<E: From<StaticsError>>(
         let mut record = Record::default();
         let last_broken = loop {
             state.advance(problem, &response, load);
+            if response.is_last() {
+                state.settle(problem, &response);
+            }
             let broken = break_bonds(problem, state, &response, load);
             record.broken += broken;
             record.passes += 1;
@@ -142,23 +157,22 @@ pub fn run<E: From<StaticsError>>(
             if state.load_lost || broken == 0 || !passes_again(problem.control, record.passes) {
                 break broken;
             }
-            match Response::new(&solver, problem, state, phases) {
-                Ok(settled) => response = settled,
-                Err(error) => {
-                    state.stop(&error);
-                    break broken;
-                }
+            if let Err(error) = response.renew(&solver, problem, state, phases) {
+                state.stop(&error);
+                break broken;
             }
         };
         observe(state, record, &response)?;
         let is_new_phase = state.begin_phase_if_due(problem.model, problem.programme);
         if let Some(ending) = ending(problem, state) {
+            if !response.is_last() {
+                state.settle(problem, &response);
+            }
             return Ok(ending);
         }
         if last_broken > 0 || is_new_phase {
-            match Response::new(&solver, problem, state, phases) {
-                Ok(settled) => response = settled,
-                Err(error) => return Ok(state.stop(&error)),
+            if let Err(error) = response.renew(&solver, problem, state, phases) {
+                return Ok(state.stop(&error));
             }
         }
     }
@@ -209,8 +223,9 @@ fn next_load(problem: &Problem, state: &State, response: &Response) -> Option<Lo
 
 fn break_bonds(problem: &Problem, state: &mut State, response: &Response, load: Load) -> usize {
     let bonds = match problem.control {
-        Control::EventDriven => response.bonds_at_limit(problem, state, load, TIE),
+        Control::EventDriven => response.bonds_at_limit(problem, state, load),
         _ => state.exceeded(problem.model, problem.limits),
     };
-    state.break_bonds(problem, &bonds)
+    let foreseen = (!response.is_last()).then_some(response);
+    state.break_bonds(problem, &bonds, foreseen)
 }

@@ -8,9 +8,10 @@
 //! R(λ) = Σ_{q<p} Λ_q R_q + λ R_p
 //! ```
 
-use super::response::Load;
+use super::event::Load;
+use super::functional::{self, Functional};
 use crate::boundary::Boundary;
-use std::collections::BTreeSet;
+use std::cmp::Ordering;
 
 /// One phase of a programme.
 #[derive(Clone, Debug)]
@@ -29,27 +30,18 @@ pub struct LoadPhase {
 #[derive(Clone, Debug)]
 pub struct Programme {
     pub phases: Vec<LoadPhase>,
-    /// Dofs with a prescribed displacement or a load in some phase, ascending: only there does the
-    /// surroundings' work enter.
-    pub dofs: Vec<usize>,
+    /// Q and W of every phase, then the resultants on every group ([`functional`]).
+    pub functionals: Vec<Functional>,
 }
 
 impl Programme {
     pub fn new(phases: Vec<LoadPhase>) -> Programme {
-        let prescribed = |phase: &LoadPhase| phase.boundary.prescribed.keys().copied().collect();
-        let loaded = |phase: &LoadPhase| {
-            let loads = phase.boundary.load.iter().enumerate();
-            loads
-                .filter(|(_, f)| **f != 0.0)
-                .map(|(dof, _)| dof)
-                .collect()
-        };
-        let of_phase = |phase| -> [Vec<usize>; 2] { [prescribed(phase), loaded(phase)] };
-        let dofs: BTreeSet<usize> = phases.iter().flat_map(of_phase).flatten().collect();
-        Programme {
+        let mut programme = Programme {
             phases,
-            dofs: dofs.into_iter().collect(),
-        }
+            functionals: Vec::new(),
+        };
+        programme.functionals = functional::of_programme(&programme);
+        programme
     }
 
     /// One phase without an end, in load steps of Δλ = 1.
@@ -91,14 +83,28 @@ impl Programme {
         Some(sum)
     }
 
-    /// The load on a dof during a phase [N].
-    pub fn force(&self, phase: usize, load: Load, dof: usize) -> f64 {
-        let held = self.phases[..phase].iter().map(|p| {
-            let end = p.end.expect("only the last phase has no end");
-            end * p.boundary.load[dof]
-        });
-        let unit = self.phases[phase].boundary.load[dof];
-        load.share * (held.sum::<f64>() + load.factor * unit)
+    /// μ Λ_q of the phases before this one, μ λ of this one, zero of those to come.
+    pub fn factors(&self, phase: usize, load: Load) -> impl Iterator<Item = f64> {
+        self.phases
+            .iter()
+            .enumerate()
+            .map(move |(q, p)| match q.cmp(&phase) {
+                Ordering::Less => load.share * p.end.expect("only the last phase has no end"),
+                Ordering::Equal => load.share * load.factor,
+                Ordering::Greater => 0.0,
+            })
+    }
+
+    /// The largest prescribed displacement [m].
+    pub fn largest_prescribed(&self, phase: usize, load: Load) -> f64 {
+        let factors: Vec<f64> = self.factors(phase, load).collect();
+        let dofs = self.supports().prescribed.keys();
+        let value = |dof: &usize| {
+            let phases = self.phases.iter().zip(&factors);
+            let terms = phases.map(|(p, factor)| factor * p.boundary.prescribed[dof].0);
+            terms.sum::<f64>().abs()
+        };
+        dofs.map(value).fold(0.0, f64::max)
     }
 
     /// Whether the phase is at its end.

@@ -7,45 +7,87 @@
 //!
 //! λ is the load factor of the current phase, u_held the response to what the phases before it have
 //! left in place. μ = 1, but for the moments in which the body cannot carry what is held.
+//!
+//! Under the event-driven control the response looks ahead ([`super::active_zone`]): it knows a number
+//! of events that follow from one factorisation, and goes from one to the next without solving again.
 
-use super::control::Problem;
+use super::active_zone::{Ahead, look_ahead};
+use super::control::{Control, Problem, Resolution, TIE};
+use super::event::{Bounds, Event, Load, is_at_limit};
+use super::functional::Values;
 use super::state::State;
+use crate::boundary::Boundary;
 use crate::model::Model;
 use crate::phases::Phases;
-use crate::statics::{Solution, Solver, StaticsError};
+use crate::statics::{Factorised, Solution, Solver, StaticsError};
 use rayon::prelude::*;
 
-/// A point in the space of loads.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Load {
-    /// μ, the share of all loads that acts [-].
-    pub share: f64,
-    /// λ of the current phase [-].
-    pub factor: f64,
+/// u_held and u_unit of all nodes.
+#[derive(Clone)]
+pub struct Solutions {
+    pub held: Option<Solution>,
+    pub unit: Solution,
 }
 
-impl Load {
-    /// All that is held acts in full.
-    pub fn full(factor: f64) -> Load {
-        Load { share: 1.0, factor }
+impl Solutions {
+    /// Displacement [m] and, where one is prescribed, reaction [N] of a node.
+    pub fn at(&self, load: Load, node: usize) -> ([f64; 2], [f64; 2]) {
+        let combine = |field: fn(&Solution) -> &Vec<[f64; 2]>| {
+            [0, 1].map(|axis| {
+                let held = self.held.as_ref();
+                let held = held.map_or(0.0, |held| field(held)[node][axis]);
+                load.combine([held, field(&self.unit)[node][axis]])
+            })
+        };
+        (combine(|s| &s.displacement), combine(|s| &s.reaction))
+    }
+
+    /// Stretches of a spring under what is held, and per unit of λ.
+    pub fn stretches(&self, problem: &Problem, spring: usize) -> [f64; 2] {
+        let Model {
+            springs, positions, ..
+        } = problem.model;
+        let stretch = |u: &Solution| springs.stretch(spring, positions, &u.displacement);
+        [self.held.as_ref().map_or(0.0, stretch), stretch(&self.unit)]
+    }
+
+    /// The same but for rounding, in a fifth of the time.
+    pub fn rough_stretches(&self, problem: &Problem, spring: usize) -> [f64; 2] {
+        let Model {
+            springs, positions, ..
+        } = problem.model;
+        let Some(pair) = springs.pairs().get(spring) else {
+            return self.stretches(problem, spring);
+        };
+        let [a, b] = pair.map(|node| node as usize);
+        let [x, y] = [0, 1].map(|k| positions[b][k] - positions[a][k]);
+        let over = 1.0 / (x * x + y * y);
+        let stretch = |u: &Solution| {
+            let u = &u.displacement;
+            over * (x * (u[b][0] - u[a][0]) + y * (u[b][1] - u[a][1]))
+        };
+        [self.held.as_ref().map_or(0.0, stretch), stretch(&self.unit)]
+    }
+
+    /// The larger relative residual of the two.
+    pub fn residual(&self) -> f64 {
+        let held = self.held.as_ref().map_or(0.0, |held| held.residual);
+        held.max(self.unit.residual)
+    }
+
+    fn values(&self, problem: &Problem) -> Values {
+        let both = [self.held.as_ref(), Some(&self.unit)];
+        Values::of(&problem.programme.functionals, both)
     }
 }
 
-/// What the event-driven control finds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Event {
-    /// A bond reaches its limit.
-    Break(Load),
-    /// The phase ends before that.
-    PhaseEnd,
-    /// No load breaks another bond.
-    None,
-}
-
-/// u_held and u_unit.
+/// The response, and what is known of those that follow.
 pub struct Response {
-    pub held: Option<Solution>,
-    pub unit: Solution,
+    solved: Solutions,
+    values: Values,
+    /// The events that follow, and which of them is next.
+    ahead: Option<Ahead>,
+    next: usize,
 }
 
 impl Response {
@@ -57,144 +99,143 @@ impl Response {
         state: &mut State,
         phases: &mut Phases,
     ) -> Result<Response, StaticsError> {
-        let programme = problem.programme;
-        let held = programme.held(state.phase);
-        let mut cases = vec![&programme.phases[state.phase].boundary];
-        cases.extend(&held);
-        let mut solutions = solver.solve_broken(
-            &cases,
+        let factorised = solver.factorise_broken(
             &state.intact,
             &state.fragments,
             &mut state.mechanisms,
             phases,
         )?;
-        let held = held.and_then(|_| solutions.pop());
-        let unit = solutions.pop().expect("a solution for every case");
-        Ok(Response { held, unit })
-    }
-
-    /// The larger relative residual of the two.
-    pub fn residual(&self) -> f64 {
-        let held = self.held.as_ref().map_or(0.0, |held| held.residual);
-        held.max(self.unit.residual)
-    }
-
-    /// Displacement [m] and, where one is prescribed, reaction [N] of a node.
-    pub fn at(&self, load: Load, node: usize) -> ([f64; 2], [f64; 2]) {
-        let combine = |field: fn(&Solution) -> &Vec<[f64; 2]>| {
-            [0, 1].map(|axis| {
-                let unit = load.factor * field(&self.unit)[node][axis];
-                let held = self.held.as_ref();
-                load.share * held.map_or(unit, |held| field(held)[node][axis] + unit)
-            })
+        let solved = solve(solver, problem, state, &factorised, phases)?;
+        let mut response = Response {
+            values: solved.values(problem),
+            solved,
+            ahead: None,
+            next: 0,
         };
-        (combine(|s| &s.displacement), combine(|s| &s.reaction))
+        let looks_ahead =
+            problem.control == Control::EventDriven && problem.resolution == Resolution::Fast;
+        if looks_ahead && let Event::Break(load) = response.next_event(problem, state) {
+            response.ahead = phases.measure("active zone", || {
+                let (solved, values) = (&response.solved, &response.values);
+                look_ahead(problem, state, factorised, solved, values, load)
+            });
+        }
+        Ok(response)
     }
 
-    /// Q = Σ reaction · prescribed displacement of the unit load: conjugate to λ [J].
-    pub fn stiffness(&self, problem: &Problem, phase: usize) -> f64 {
-        let prescribed = &problem.programme.phases[phase].boundary.prescribed;
-        let terms = prescribed.iter();
-        terms
-            .map(|(&dof, (value, _))| value * self.unit.reaction[dof / 2][dof % 2])
-            .sum()
-    }
-
-    /// Stretch of a spring [-].
-    pub fn stretch(&self, problem: &Problem, spring: usize, load: Load) -> f64 {
-        let [held, unit] = self.stretches(problem, spring);
-        load.share * (held + load.factor * unit)
-    }
-
-    /// Stretches of a spring under what is held, and per unit of λ.
-    fn stretches(&self, problem: &Problem, spring: usize) -> [f64; 2] {
-        let Model {
-            springs, positions, ..
-        } = problem.model;
-        let stretch = |u: &Solution| springs.stretch(spring, positions, &u.displacement);
-        [self.held.as_ref().map_or(0.0, stretch), stretch(&self.unit)]
-    }
-
-    /// The load at which the next bond breaks, bounded from both sides: where something is held, λ may
-    /// also have to stay above a limit. If no λ can carry what is held, all loads together recede until
-    /// only one bond is at its limit (proportional unloading, DeJong et al. 2008).
-    pub fn next_event(&self, problem: &Problem, state: &State) -> Event {
-        let bounds = self.map_intact(problem, state, |[held, unit], limit| {
-            let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
-            for limit in [limit.tension, -limit.compression] {
-                let at = (limit - held) / unit;
-                // Where the stretch runs towards this limit as λ grows, it bounds λ from above.
-                if unit != 0.0 && (unit > 0.0) == (limit > 0.0) {
-                    upper = upper.min(at);
-                } else if unit != 0.0 {
-                    lower = lower.max(at);
-                }
-            }
-            [lower, upper]
-        });
-        let lower = bounds
-            .iter()
-            .map(|b| b[0])
-            .fold(f64::NEG_INFINITY, f64::max);
-        let upper = bounds.iter().map(|b| b[1]).fold(f64::INFINITY, f64::min);
-        let last = state.load.factor;
-        let excess = self.largest_utilisation(problem, state, Load::full(last));
-        let end = problem.programme.phases[state.phase].end;
-        if lower > upper && excess > 1.0 {
-            Event::Break(Load {
-                share: 1.0 / excess,
-                factor: last,
-            })
-        } else if end.is_some_and(|end| upper >= end) {
-            Event::PhaseEnd
-        } else if upper.is_finite() {
-            Event::Break(Load::full(upper))
+    /// The response after the bonds of an event have broken, or a new phase has begun.
+    ///
+    /// # Errors
+    /// What the solver reports.
+    pub fn renew(
+        &mut self,
+        solver: &Solver,
+        problem: &Problem,
+        state: &mut State,
+        phases: &mut Phases,
+    ) -> Result<(), StaticsError> {
+        if self.is_last() {
+            // Two factors at a time are more than may fit.
+            self.ahead = None;
+            *self = Response::new(solver, problem, state, phases)?;
         } else {
-            Event::None
+            self.next += 1;
+        }
+        Ok(())
+    }
+
+    /// Whether a new factorisation follows the next event.
+    pub fn is_last(&self) -> bool {
+        let ahead = self.ahead.as_ref();
+        ahead.is_none_or(|ahead| self.next + 1 == ahead.count())
+    }
+
+    fn now(&self) -> Option<(&Ahead, usize)> {
+        self.ahead.as_ref().map(|ahead| (ahead, self.next))
+    }
+
+    /// u_held and u_unit everywhere.
+    pub fn solutions(&self, problem: &Problem, phase: usize) -> Solutions {
+        match self.now() {
+            Some((ahead, next)) if next > 0 => ahead.solutions(problem, phase, &self.solved, next),
+            _ => self.solved.clone(),
         }
     }
 
-    /// The largest stretch of an intact bond over its limit.
-    fn largest_utilisation(&self, problem: &Problem, state: &State, load: Load) -> f64 {
-        let utilisations = self.map_intact(problem, state, |[held, unit], limit| {
-            limit.utilisation(load.share * (held + load.factor * unit))
-        });
-        utilisations.into_iter().fold(0.0, f64::max)
+    /// Relative residual.
+    pub fn residual(&self) -> f64 {
+        let ahead = self.now().map_or(0.0, |(ahead, _)| ahead.residual);
+        ahead.max(self.solved.residual())
     }
 
-    /// Bonds at their limit, or within the share `tie` of it and bound to reach it.
-    pub fn bonds_at_limit(
-        &self,
-        problem: &Problem,
-        state: &State,
-        load: Load,
-        tie: f64,
-    ) -> Vec<usize> {
-        let is_share = load.share < 1.0;
-        let reached = self.map_intact(problem, state, |[held, unit], limit| {
-            let stretch = load.share * (held + load.factor * unit);
-            let outwards = is_share || stretch * unit > 0.0;
-            outwards && limit.utilisation(stretch) * (1.0 + tie) >= 1.0
-        });
-        let intact = (0..state.intact.len()).filter(|&s| state.intact[s]);
-        intact
-            .zip(reached)
-            .filter(|&(_, at)| at)
-            .map(|(s, _)| s)
-            .collect()
+    /// Resultants and works.
+    pub fn values(&self) -> &Values {
+        match self.now() {
+            Some((ahead, next)) => &ahead.moment(next).values,
+            None => &self.values,
+        }
     }
 
-    /// `f` of the stretches and the limit of every intact spring, in order.
-    fn map_intact<T: Send>(
-        &self,
-        problem: &Problem,
-        state: &State,
-        f: impl Fn([f64; 2], super::failure::CriticalStretch) -> T + Sync,
-    ) -> Vec<T> {
+    /// Stretch of a spring, broken in this event or the last one [-].
+    pub fn stretch(&self, problem: &Problem, spring: usize, load: Load) -> f64 {
+        let ahead = self.now().filter(|&(_, next)| next > 0);
+        let foreseen = ahead.and_then(|(ahead, next)| ahead.stretches(next, spring));
+        load.combine(foreseen.unwrap_or_else(|| self.solved.stretches(problem, spring)))
+    }
+
+    /// The load at which the next bond breaks.
+    pub fn next_event(&self, problem: &Problem, state: &State) -> Event {
+        if let Some((ahead, next)) = self.now() {
+            return Event::Break(ahead.moment(next).load);
+        }
+        let last = state.load.factor;
+        let of = |s| {
+            Bounds::of(
+                self.solved.stretches(problem, s),
+                problem.limits.of(s),
+                last,
+            )
+        };
+        let bounds = (0..problem.model.springs.len())
+            .into_par_iter()
+            .filter(|&s| state.intact[s])
+            .map(of)
+            // Maxima and minima: the same in any order.
+            .reduce(|| Bounds::NONE, Bounds::and);
+        bounds.event(last, problem.programme.phases[state.phase].end)
+    }
+
+    /// Bonds at their limit, or within a small share of it and bound to reach it.
+    pub fn bonds_at_limit(&self, problem: &Problem, state: &State, load: Load) -> Vec<usize> {
+        if let Some((ahead, next)) = self.now() {
+            return ahead.moment(next).bonds.clone();
+        }
+        let reaches = |&s: &usize| {
+            let stretches = self.solved.stretches(problem, s);
+            is_at_limit(stretches, problem.limits.of(s), load, TIE)
+        };
         (0..problem.model.springs.len())
             .into_par_iter()
             .filter(|&s| state.intact[s])
-            .map(|s| f(self.stretches(problem, s), problem.limits.of(s)))
+            .filter(reaches)
             .collect()
     }
+}
+
+fn solve(
+    solver: &Solver,
+    problem: &Problem,
+    state: &State,
+    factorised: &Factorised,
+    phases: &mut Phases,
+) -> Result<Solutions, StaticsError> {
+    let programme = problem.programme;
+    let mut solve =
+        |case: &Boundary| solver.solve_with(factorised, case, &state.mechanisms, phases);
+    let unit = solve(&programme.phases[state.phase].boundary)?;
+    let held = match programme.held(state.phase) {
+        Some(held) => Some(solve(&held)?),
+        None => None,
+    };
+    Ok(Solutions { held, unit })
 }

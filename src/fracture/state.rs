@@ -1,11 +1,12 @@
 //! What changes during a run: which bonds are intact, and what their breaking has cost.
 
 use super::control::{Ending, Problem, SEPARATED};
+use super::event::Load;
 use super::failure::CriticalStretch;
 use super::programme::Programme;
-use super::response::{Load, Response};
+use super::response::Response;
 use crate::model::Model;
-use crate::statics::StaticsError;
+use crate::statics::{StaticsError, SystemSize};
 use crate::support;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -21,8 +22,13 @@ pub struct State {
     pub load: Load,
     /// The largest λ of this phase so far: where a load that only grows would be.
     pub envelope: f64,
-    /// u of every node [m].
+    /// u of every node [m] and the reactions there [N], when they were last asked for
+    /// ([`State::settle`]).
     pub displacement: Vec<[f64; 2]>,
+    pub reaction: Vec<[f64; 2]>,
+    /// Relative residual of both, and the size of the system.
+    pub residual: f64,
+    pub size: Option<SystemSize>,
     pub intact: Vec<bool>,
     /// Nodes of the parts that no support touches any more; they stay where they broke off.
     pub fragments: Vec<Vec<usize>>,
@@ -34,8 +40,10 @@ pub struct State {
     pub stopped: Option<(Ending, String)>,
     pub energy: Energy,
     pub force: LoadForce,
-    /// Force [N] and displacement [m] at each of the programme's dofs.
-    pub surroundings: Vec<[f64; 2]>,
+    /// Bonds and trusses broken since the start, in their order, initial cracks apart.
+    pub broken: Vec<u32>,
+    /// Q and W of each phase [J].
+    pub work: Vec<[f64; 2]>,
     /// Bonds broken since the last solution: index, and elongation n·(u_j − u_i) then [m].
     pub just_broken: Vec<(u32, f64)>,
 }
@@ -84,6 +92,9 @@ impl State {
             load: Load::full(0.0),
             envelope: 0.0,
             displacement: vec![[0.0; 2]; model.node_count()],
+            reaction: vec![[0.0; 2]; model.node_count()],
+            residual: 0.0,
+            size: None,
             intact: model.intact.clone(),
             fragments: Vec::new(),
             load_lost: false,
@@ -91,7 +102,8 @@ impl State {
             stopped: None,
             energy: Energy::default(),
             force: LoadForce::default(),
-            surroundings: vec![[0.0; 2]; programme.dofs.len()],
+            broken: Vec::new(),
+            work: vec![[0.0; 2]; programme.phases.len()],
             just_broken: Vec::new(),
         };
         state.find_loose_parts(model, programme);
@@ -129,33 +141,42 @@ impl State {
 
     /// Moves along the straight path to `load`.
     pub fn advance(&mut self, problem: &Problem, response: &Response, load: Load) {
-        let frozen: Vec<usize> = self.fragments.iter().flatten().copied().collect();
-        let kept: Vec<[f64; 2]> = frozen.iter().map(|&node| self.displacement[node]).collect();
-        let moved = (0..self.displacement.len()).map(|node| response.at(load, node).0);
-        self.displacement = moved.collect();
-        for (&node, u) in frozen.iter().zip(kept) {
-            self.displacement[node] = u;
-        }
         self.account(problem, response, load);
-        self.resist(response.stiffness(problem, self.phase), load);
+        self.resist(response.values().stiffness(self.phase), load);
         self.load = load;
         self.envelope = self.envelope.max(load.factor);
     }
 
+    /// Finds displacements and reactions everywhere. Fragments stay where they broke off.
+    pub fn settle(&mut self, problem: &Problem, response: &Response) {
+        let solutions = response.solutions(problem, self.phase);
+        let frozen: Vec<usize> = self.fragments.iter().flatten().copied().collect();
+        let kept: Vec<[f64; 2]> = frozen.iter().map(|&node| self.displacement[node]).collect();
+        let nodes = 0..self.displacement.len();
+        (self.displacement, self.reaction) = nodes.map(|n| solutions.at(self.load, n)).unzip();
+        for (&node, u) in frozen.iter().zip(kept) {
+            self.displacement[node] = u;
+        }
+        self.residual = response.residual();
+        self.size = Some(solutions.unit.size);
+    }
+
     /// Energies. With r = K u, equal to loads and reactions, before and after the break of bonds,
-    /// ½ (r + r')·(u' − u) = Δ(½ uᵀ K u) + Σ ½ k e e' holds for any two states.
+    /// ½ (r + r')·(u' − u) = Δ(½ uᵀ K u) + Σ ½ k e e' holds for any two states. With the factors a_q
+    /// of the phases, u is Σ a_q u_q at the supports and r is Σ a_q f_q at the loads: all sums over dofs
+    /// are in Q and W.
     fn account(&mut self, problem: &Problem, response: &Response, load: Load) {
         let Problem {
             model, programme, ..
         } = problem;
+        let before = programme.factors(self.phase, self.load);
+        let now = programme.factors(self.phase, load);
         let mut elastic = 0.0;
-        for (&dof, before) in programme.dofs.iter().zip(&mut self.surroundings) {
-            let (u, reaction) = response.at(load, dof / 2);
-            let force = reaction[dof % 2] + programme.force(self.phase, load, dof);
-            let u = u[dof % 2];
-            self.energy.external += 0.5 * (before[0] + force) * (u - before[1]);
-            elastic += 0.5 * force * u;
-            *before = [force, u];
+        for (phase, (a, b)) in before.zip(now).enumerate() {
+            let [q, w] = response.values().work(phase, load);
+            let [q_before, w_before] = std::mem::replace(&mut self.work[phase], [q, w]);
+            self.energy.external += 0.5 * ((q_before + q) * (b - a) + (a + b) * (w - w_before));
+            elastic += 0.5 * b * (q + w);
         }
         self.energy.elastic = elastic;
         for (spring, before) in self.just_broken.drain(..) {
@@ -197,18 +218,29 @@ impl State {
             .collect()
     }
 
-    /// Breaks the given bonds, finds what falls off, and returns how many have broken.
-    pub fn break_bonds(&mut self, problem: &Problem, bonds: &[usize]) -> usize {
+    /// Breaks the given bonds, finds what falls off, and returns how many have broken. `foreseen`: the
+    /// response, where what follows is known already and the state need not have been settled.
+    pub fn break_bonds(
+        &mut self,
+        problem: &Problem,
+        bonds: &[usize],
+        foreseen: Option<&Response>,
+    ) -> usize {
         let Problem {
             model, programme, ..
         } = problem;
         for &spring in bonds {
-            let length = model.springs.length(spring, &model.positions);
-            let elongation = length * self.stretch(model, spring);
+            let stretch = match foreseen {
+                Some(response) => response.stretch(problem, spring, self.load),
+                None => self.stretch(model, spring),
+            };
+            let elongation = model.springs.length(spring, &model.positions) * stretch;
             self.intact[spring] = false;
+            self.broken.push(spring as u32);
             self.just_broken.push((spring as u32, elongation));
         }
-        if !bonds.is_empty() {
+        // A response that is known already is that of a regular K: everything is held.
+        if !bonds.is_empty() && foreseen.is_none() {
             self.find_loose_parts(model, programme);
         }
         bonds.len()
@@ -227,12 +259,6 @@ impl State {
         let intact = (0..model.springs.len()).filter(|&s| self.intact[s]);
         let utilised = intact.map(|s| (s, limits.of(s).utilisation(self.stretch(model, s))));
         utilised.max_by(|a, b| a.1.total_cmp(&b.1))
-    }
-
-    /// Bonds and trusses broken since the start, initial cracks apart.
-    pub fn broken(&self, model: &Model) -> usize {
-        let pairs = model.intact.iter().zip(&self.intact);
-        pairs.filter(|&(&before, &now)| before && !now).count()
     }
 }
 

@@ -7,6 +7,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
@@ -194,14 +195,39 @@ pub struct Factor {
 }
 
 impl Factor {
+    pub(super) fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    pub(super) fn supernodes(&self) -> &SymbolicSupernodalCholesky<u32> {
+        match self.structure.raw() {
+            SymbolicCholeskyRaw::Supernodal(supernodes) => supernodes,
+            SymbolicCholeskyRaw::Simplicial(_) => unreachable!("supernodes are forced"),
+        }
+    }
+
+    /// The column of L that eliminates a dof.
+    pub(super) fn column(&self, dof: usize) -> usize {
+        let place = self.structure.perm().map(|p| p.arrays().1);
+        place.map_or(dof, |place| place[dof] as usize)
+    }
+
     /// Overwrites `rhs` by K⁻¹ rhs, on one thread: the work is bound by memory, and a second thread
     /// was slower at every size measured (docs/performance.md).
     pub fn solve_in_place(&self, rhs: &mut [f64]) {
-        let mut memory = MemBuffer::new(self.structure.solve_in_place_scratch::<f64>(1, Par::Seq));
-        let rows = rhs.len();
+        self.solve_many_in_place(rhs, 1);
+    }
+
+    /// The same for `columns` right-hand sides one after the other: eight cost little more than one.
+    pub fn solve_many_in_place(&self, rhs: &mut [f64], columns: usize) {
+        let scratch = self
+            .structure
+            .solve_in_place_scratch::<f64>(columns, Par::Seq);
+        let mut memory = MemBuffer::new(scratch);
+        let rows = rhs.len() / columns;
         LltRef::new(&self.structure, &self.values).solve_in_place_with_conj(
             Conj::No,
-            MatMut::from_column_major_slice_mut(rhs, rows, 1),
+            MatMut::from_column_major_slice_mut(rhs, rows, columns),
             Par::Seq,
             MemStack::new(&mut memory),
         );

@@ -1,9 +1,7 @@
 //! What a killed run goes on from: the state behind its last step, as it is kept.
 
-use super::fracture::Reactions;
-use super::history::Line;
 use crate::fracture::control::Ending;
-use crate::fracture::response::Load;
+use crate::fracture::event::Load;
 use crate::fracture::state::{Energy, LoadForce, State};
 use crate::statics::SystemSize;
 use serde::{Deserialize, Serialize};
@@ -14,11 +12,8 @@ pub(super) struct Checkpoint {
     /// Hash of what the run is made from.
     pub recipe: String,
     state: StoredState,
-    /// Reactions and residual of the last step, and the size of its system.
-    reaction: Vec<[f64; 2]>,
-    residual: f64,
-    size: [usize; 3],
-    pub history: Vec<Line>,
+    /// Lines of the journal that belong to it.
+    pub lines: usize,
     pub frames: Vec<usize>,
 }
 
@@ -30,6 +25,9 @@ struct StoredState {
     load: [f64; 2],
     envelope: f64,
     displacement: Vec<[f64; 2]>,
+    reaction: Vec<[f64; 2]>,
+    residual: f64,
+    size: Option<[usize; 3]>,
     intact: Vec<bool>,
     fragments: Vec<Vec<usize>>,
     load_lost: bool,
@@ -38,44 +36,18 @@ struct StoredState {
     stopped: Option<(String, String)>,
     energy: [f64; 3],
     force: ([f64; 4], bool),
-    surroundings: Vec<[f64; 2]>,
+    broken: Vec<u32>,
+    work: Vec<[f64; 2]>,
     just_broken: Vec<(u32, f64)>,
 }
 
 impl Checkpoint {
-    pub fn new(
-        recipe: &str,
-        state: &State,
-        last: &Reactions,
-        history: &[Line],
-        frames: &[usize],
-    ) -> Checkpoint {
-        let SystemSize {
-            dofs,
-            stiffness_entries,
-            factor_entries,
-        } = last.size;
+    pub fn new(recipe: &str, state: &State, lines: usize, frames: &[usize]) -> Checkpoint {
         Checkpoint {
             recipe: recipe.to_owned(),
             state: StoredState::from(state),
-            reaction: last.reaction.clone(),
-            residual: last.residual,
-            size: [dofs, stiffness_entries, factor_entries],
-            history: history.to_vec(),
+            lines,
             frames: frames.to_vec(),
-        }
-    }
-
-    pub fn last(&self) -> Reactions {
-        let [dofs, stiffness_entries, factor_entries] = self.size;
-        Reactions {
-            reaction: self.reaction.clone(),
-            residual: self.residual,
-            size: SystemSize {
-                dofs,
-                stiffness_entries,
-                factor_entries,
-            },
         }
     }
 
@@ -104,6 +76,11 @@ impl From<&State> for StoredState {
             load: [state.load.share, state.load.factor],
             envelope: state.envelope,
             displacement: state.displacement.clone(),
+            reaction: state.reaction.clone(),
+            residual: state.residual,
+            size: state
+                .size
+                .map(|size| [size.dofs, size.stiffness_entries, size.factor_entries]),
             intact: state.intact.clone(),
             fragments: state.fragments.clone(),
             load_lost: state.load_lost,
@@ -112,7 +89,8 @@ impl From<&State> for StoredState {
                 .map(|(ending, reason)| (ending.describe().to_owned(), reason.clone())),
             energy: [external, elastic, dissipated],
             force: ([now, peak, first, last], is_on_top),
-            surroundings: state.surroundings.clone(),
+            broken: state.broken.clone(),
+            work: state.work.clone(),
             just_broken: state.just_broken.clone(),
         }
     }
@@ -132,6 +110,15 @@ impl From<StoredState> for State {
             },
             envelope: stored.envelope,
             displacement: stored.displacement,
+            reaction: stored.reaction,
+            residual: stored.residual,
+            size: stored
+                .size
+                .map(|[dofs, stiffness_entries, factor_entries]| SystemSize {
+                    dofs,
+                    stiffness_entries,
+                    factor_entries,
+                }),
             intact: stored.intact,
             fragments: stored.fragments,
             load_lost: stored.load_lost,
@@ -149,7 +136,8 @@ impl From<StoredState> for State {
                 stiffness: [first, last],
                 is_on_top,
             },
-            surroundings: stored.surroundings,
+            broken: stored.broken,
+            work: stored.work,
             just_broken: stored.just_broken,
         }
     }

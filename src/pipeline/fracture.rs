@@ -1,5 +1,6 @@
-//! The solve stage of a fracture run: history line by line, frames, and a checkpoint after every
-//! step, from which a killed run goes on with the same bits.
+//! The solve stage of a fracture run: history line by line, frames, and a checkpoint whenever a new
+//! factorisation follows, from which a killed run goes on with the same bits: what is between two
+//! factorisations is a function of the state at the first.
 
 use super::checkpoint::Checkpoint;
 use super::damage_picture::Latest;
@@ -10,13 +11,13 @@ use super::run::{Observer, RunError};
 use super::spec::Output;
 use super::stamp;
 use super::validate::{limits, programme};
-use crate::fracture::control::{self, Ending, Problem, Record};
+use crate::fracture::control::{self, Ending, Problem, Record, Resolution};
 use crate::fracture::response::Response;
 use crate::fracture::state::{Limits, State};
 use crate::model::Model;
 use crate::output::{partial_name, write_whole};
 use crate::phases::Phases;
-use crate::statics::{Solution, Solver, SystemSize, group_reactions};
+use crate::statics::{Solution, Solver};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::io::Write;
@@ -26,6 +27,7 @@ use std::time::Instant;
 pub const HISTORY_FILE: &str = "history.csv";
 const FRAMES_FOLDER: &str = "frames";
 const CHECKPOINT_FILE: &str = ".stamps/checkpoint.bin";
+const JOURNAL_FILE: &str = ".stamps/journal.bin";
 
 /// A moment of the run that is kept whole.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -68,15 +70,6 @@ pub(super) fn read_frame(folder: &Path, step: usize) -> Result<Frame, RunError> 
         .map_err(|error| file_error("read", &path, std::io::Error::other(error)))
 }
 
-/// What the supports did in the last step.
-#[derive(Clone, Debug)]
-pub(super) struct Reactions {
-    /// By node [N].
-    pub reaction: Vec<[f64; 2]>,
-    pub residual: f64,
-    pub size: SystemSize,
-}
-
 /// Runs from the start, or from the checkpoint of an interrupted run of the same recipe.
 ///
 /// # Errors
@@ -86,6 +79,7 @@ pub(super) fn run(
     loading: &Loading,
     model: &Model,
     recipe: &str,
+    resolution: Resolution,
     observer: &mut dyn Observer,
     phases: &mut Phases,
 ) -> Result<Fractured, RunError> {
@@ -95,6 +89,7 @@ pub(super) fn run(
         limits: &limits(plan, model),
         control: loading.control,
         until: loading.until,
+        resolution,
     };
     let mut writer = Writer::new(plan, &problem, recipe)?;
     let mut state = match writer.resume()? {
@@ -106,6 +101,7 @@ pub(super) fn run(
         None => {
             let state = State::new(model, problem.programme);
             writer.frame(&state)?;
+            writer.checkpoint(&state)?;
             state
         }
     };
@@ -157,7 +153,7 @@ fn progress(problem: &Problem, line: Option<&Line>, seconds_per_step: f64) -> St
 /// A load that could not break a bond, told with what it has reached.
 fn nothing_broke(problem: &Problem, state: &State) -> Option<String> {
     let Problem { model, limits, .. } = problem;
-    if state.step == 0 || state.broken(model) > 0 {
+    if state.step == 0 || !state.broken.is_empty() {
         return None;
     }
     let (spring, utilisation) = state.most_strained(model, limits)?;
@@ -177,9 +173,8 @@ struct Writer<'a> {
     recipe: String,
     history: Vec<Line>,
     frames: Vec<usize>,
-    /// Of the last step.
-    last: Option<Reactions>,
     csv: File,
+    journal: Journal,
     csv_path: PathBuf,
     /// Crack length that each spring adds when it breaks [m].
     crack_lengths: Vec<f64>,
@@ -199,11 +194,11 @@ impl<'a> Writer<'a> {
         Ok(Writer {
             plan,
             problem,
-            recipe: stamp::hash(recipe.as_bytes()),
+            recipe: stamp::hash(format!("{recipe} {:?}", problem.resolution).as_bytes()),
             history: Vec::new(),
             frames: Vec::new(),
-            last: None,
             csv,
+            journal: Journal::new(&plan.folder),
             csv_path,
             crack_lengths,
             initial_length,
@@ -218,10 +213,13 @@ impl<'a> Writer<'a> {
         let stored = stored.filter(|checkpoint| {
             checkpoint.recipe == self.recipe && checkpoint.frames.iter().all(has_frame)
         });
-        if let Some(checkpoint) = &stored {
-            self.history.clone_from(&checkpoint.history);
+        let stored = stored.and_then(|checkpoint| {
+            let lines = self.journal.read(checkpoint.lines)?;
+            Some((checkpoint, lines))
+        });
+        if let Some((checkpoint, lines)) = &stored {
+            self.history.clone_from(lines);
             self.frames.clone_from(&checkpoint.frames);
-            self.last = Some(checkpoint.last());
         } else {
             forget_frames(&self.plan.folder)?;
             let folder = self.plan.folder.join(FRAMES_FOLDER);
@@ -234,7 +232,8 @@ impl<'a> Writer<'a> {
         write_whole(&self.csv_path, text.as_bytes())?;
         let csv = File::options().append(true).open(&self.csv_path);
         self.csv = csv.map_err(|source| file_error("write", &self.csv_path, source))?;
-        Ok(stored.map(Checkpoint::into_state))
+        self.journal.begin(&self.history)?;
+        Ok(stored.map(|(checkpoint, _)| checkpoint.into_state()))
     }
 
     fn csv(&self, line: &Line) -> String {
@@ -242,50 +241,53 @@ impl<'a> Writer<'a> {
     }
 
     fn step(&mut self, state: &State, record: Record, response: &Response) -> Result<(), RunError> {
-        let first_break = record.broken > 0 && self.history.iter().all(|l| l.bonds_broken == 0);
-        let nodes = 0..state.displacement.len();
-        let last = Reactions {
-            reaction: nodes.map(|node| response.at(state.load, node).1).collect(),
-            residual: response.residual(),
-            size: response.unit.size,
-        };
-        let line = self.line(state, record, &last);
+        let first_break = record.broken > 0 && state.broken.len() == record.broken;
+        let line = self.line(state, record, response);
         writeln!(self.csv, "{}", self.csv(&line))
             .map_err(|source| file_error("write", &self.csv_path, source))?;
+        self.journal.add(&line)?;
         self.history.push(line);
         let Output {
             every, pictures_at, ..
         } = &self.plan.output;
         let is_pictured = pictures_at.contains(&state.step);
         if first_break || is_pictured || state.step.is_multiple_of(*every) {
-            self.frame(state)?;
+            if response.is_last() {
+                self.frame(state)?;
+            } else {
+                let mut whole = state.clone();
+                whole.settle(self.problem, response);
+                self.frame(&whole)?;
+            }
         }
-        let checkpoint = Checkpoint::new(&self.recipe, state, &last, &self.history, &self.frames);
-        self.last = Some(last);
+        if response.is_last() {
+            self.checkpoint(state)?;
+        }
+        Ok(())
+    }
+
+    fn checkpoint(&self, state: &State) -> Result<(), RunError> {
+        let checkpoint = Checkpoint::new(&self.recipe, state, self.history.len(), &self.frames);
         let path = self.plan.folder.join(CHECKPOINT_FILE);
         Ok(write_whole(&path, &encode(&checkpoint))?)
     }
 
-    fn line(&self, state: &State, record: Record, last: &Reactions) -> Line {
-        let Problem {
-            model, programme, ..
-        } = self.problem;
-        let prescribed = |dof: &&usize| programme.supports().prescribed.contains_key(*dof);
-        let dofs = programme.dofs.iter().zip(&state.surroundings);
-        let moved = dofs.filter(|(dof, _)| prescribed(dof));
-        let reactions = group_reactions(programme.supports(), &last.reaction);
-        let reactions: Vec<[f64; 2]> = reactions.into_values().collect();
-        let broken = (model.intact.iter())
-            .zip(&state.intact)
-            .zip(&self.crack_lengths);
-        let grown = broken.filter(|((before, now), _)| **before && !**now);
+    fn line(&self, state: &State, record: Record, response: &Response) -> Line {
+        let programme = self.problem.programme;
+        let reactions = response
+            .values()
+            .resultants(programme.phases.len(), state.load);
+        let before = self.history.last();
+        let length = before.map_or(self.initial_length, |line| line.crack_length);
+        let broken = &state.broken[before.map_or(0, |line| line.bonds_broken_total)..];
+        let grown = broken.iter().map(|&bond| self.crack_lengths[bond as usize]);
         Line {
             step: state.step,
             phase: state.phase,
             load_factor: state.load.factor,
             envelope_load_factor: state.envelope,
             load_share: state.load.share,
-            grip_displacement: moved.map(|(_, [_, u])| u.abs()).fold(0.0, f64::max),
+            grip_displacement: programme.largest_prescribed(state.phase, state.load),
             reaction: (reactions.iter())
                 .map(|[x, y]| x.hypot(*y))
                 .fold(0.0, f64::max),
@@ -293,10 +295,10 @@ impl<'a> Writer<'a> {
             dissipated_energy: state.energy.dissipated,
             external_work: state.energy.external,
             bonds_broken: record.broken,
-            bonds_broken_total: state.broken(model),
+            bonds_broken_total: state.broken.len(),
             passes: record.passes,
             residual: record.residual,
-            crack_length: self.initial_length + grown.map(|(_, length)| length).sum::<f64>(),
+            crack_length: length + grown.sum::<f64>(),
             reactions,
         }
     }
@@ -325,14 +327,10 @@ impl<'a> Writer<'a> {
         let Problem {
             model, programme, ..
         } = self.problem;
-        let last = match self.last {
-            Some(last) => last,
+        let size = match state.size {
+            Some(size) => size,
             // No step was possible.
-            None => Reactions {
-                reaction: vec![[0.0; 2]; model.node_count()],
-                residual: 0.0,
-                size: Solver::new(model, programme.supports(), phases)?.size(),
-            },
+            None => Solver::new(model, programme.supports(), phases)?.size(),
         };
         Ok(Fractured {
             history: self.history,
@@ -343,19 +341,67 @@ impl<'a> Writer<'a> {
             intact: state.intact.clone(),
             solution: Solution {
                 displacement: state.displacement.clone(),
-                reaction: last.reaction,
-                residual: last.residual,
-                size: last.size,
+                reaction: state.reaction.clone(),
+                residual: state.residual,
+                size,
             },
         })
     }
 }
 
+/// The history as it is in memory, line by line, so that a checkpoint need not repeat it.
+struct Journal {
+    path: PathBuf,
+    file: Option<File>,
+}
+
+impl Journal {
+    fn new(folder: &Path) -> Journal {
+        Journal {
+            path: folder.join(JOURNAL_FILE),
+            file: None,
+        }
+    }
+
+    /// The first lines, where there are as many.
+    fn read(&self, count: usize) -> Option<Vec<Line>> {
+        let bytes = fs::read(&self.path).unwrap_or_default();
+        let mut rest = bytes.as_slice();
+        let mut line = || {
+            let (line, after) = postcard::take_from_bytes(rest).ok()?;
+            rest = after;
+            Some(line)
+        };
+        (0..count).map(|_| line()).collect()
+    }
+
+    /// Starts with these lines.
+    fn begin(&mut self, lines: &[Line]) -> Result<(), RunError> {
+        let bytes: Vec<u8> = lines.iter().flat_map(encode).collect();
+        write_whole(&self.path, &bytes)?;
+        let file = File::options().append(true).open(&self.path);
+        self.file = Some(file.map_err(|source| file_error("write", &self.path, source))?);
+        Ok(())
+    }
+
+    fn add(&mut self, line: &Line) -> Result<(), RunError> {
+        let Journal { path, file } = self;
+        let file = file
+            .as_mut()
+            .expect("a journal is begun before its first line");
+        file.write_all(&encode(line))
+            .map_err(|source| file_error("write", path, source))
+    }
+}
+
 /// An interrupted run cannot go on from here.
 pub(super) fn forget_checkpoint(folder: &Path) -> Result<(), RunError> {
-    let path = folder.join(CHECKPOINT_FILE);
-    remove(&partial_name(&path))?;
-    remove(&path)
+    for file in [CHECKPOINT_FILE, JOURNAL_FILE] {
+        let path = folder.join(file);
+        remove(&partial_name(&path))?;
+        remove(&path)?;
+    }
+    Ok(())
 }
 
 /// Frames of another recipe, or of an interrupted run that no manifest lists. What else is in their

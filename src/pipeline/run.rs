@@ -14,6 +14,7 @@ use super::stamp::{self, Manifest, Reasons, Recipe, Stage};
 use super::validate::discretise;
 use crate::boundary::Boundary;
 use crate::coupling::Coupling;
+use crate::fracture::control::Resolution;
 use crate::gmsh::{self, Extract, GmshError};
 use crate::model::Model;
 use crate::output::{WriteError, write_whole};
@@ -92,6 +93,8 @@ pub struct Options {
     pub until: Stage,
     /// Run every stage, stale or not.
     pub force: bool,
+    /// How a fracture run finds its responses.
+    pub resolution: Resolution,
     pub gmsh: gmsh::Options,
 }
 
@@ -100,6 +103,7 @@ impl Default for Options {
         Options {
             until: Stage::Output,
             force: false,
+            resolution: Resolution::default(),
             gmsh: gmsh::Options::default(),
         }
     }
@@ -391,6 +395,7 @@ impl Run<'_> {
             loading,
             model,
             &recipe,
+            self.options.resolution,
             self.observer,
             &mut self.phases,
         )?;

@@ -1,0 +1,151 @@
+//! The next bond to break where the stretches are linear in the load,
+//!
+//! ```text
+//! s = μ (s_held + λ s_unit)
+//! ```
+//!
+//! so that every limit of a bond bounds λ from one side.
+
+use super::failure::CriticalStretch;
+
+/// A point in the space of loads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// μ, the share of all loads that acts [-].
+    pub share: f64,
+    /// λ of the current phase [-].
+    pub factor: f64,
+}
+
+impl Load {
+    /// All that is held acts in full.
+    pub fn full(factor: f64) -> Load {
+        Load { share: 1.0, factor }
+    }
+
+    /// μ (held + λ unit).
+    pub fn combine(&self, [held, unit]: [f64; 2]) -> f64 {
+        self.share * (held + self.factor * unit)
+    }
+}
+
+/// What the event-driven control finds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// A bond reaches its limit.
+    Break(Load),
+    /// The phase ends before that.
+    PhaseEnd,
+    /// No load breaks another bond.
+    None,
+}
+
+/// What the bonds seen so far allow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// λ must not be below this [-].
+    pub lower: f64,
+    /// λ must not be above this [-].
+    pub upper: f64,
+    /// The largest stretch over its limit at the load that acts now [-].
+    pub excess: f64,
+}
+
+impl Bounds {
+    pub const NONE: Bounds = Bounds {
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+        excess: 0.0,
+    };
+
+    /// Of one bond, with its stretches under what is held and per unit of λ; λ is `last` now.
+    pub fn of([held, unit]: [f64; 2], limit: CriticalStretch, last: f64) -> Bounds {
+        let mut bounds = Bounds {
+            excess: limit.utilisation(held + last * unit),
+            ..Bounds::NONE
+        };
+        for limit in [limit.tension, -limit.compression] {
+            let at = (limit - held) / unit;
+            // Where the stretch runs towards this limit as λ grows, it bounds λ from above.
+            if unit != 0.0 && (unit > 0.0) == (limit > 0.0) {
+                bounds.upper = bounds.upper.min(at);
+            } else if unit != 0.0 {
+                bounds.lower = bounds.lower.max(at);
+            }
+        }
+        bounds
+    }
+
+    pub fn and(self, other: Bounds) -> Bounds {
+        Bounds {
+            lower: self.lower.max(other.lower),
+            upper: self.upper.min(other.upper),
+            excess: self.excess.max(other.excess),
+        }
+    }
+
+    /// The load at which the next bond breaks; `last` is λ now, `end` that of the phase's end. If no λ
+    /// can carry what is held, all loads together recede until only one bond is at its limit
+    /// (proportional unloading, DeJong et al. 2008).
+    pub fn event(&self, last: f64, end: Option<f64>) -> Event {
+        if self.lower > self.upper && self.excess > 1.0 {
+            Event::Break(Load {
+                share: 1.0 / self.excess,
+                factor: last,
+            })
+        } else if end.is_some_and(|end| self.upper >= end) {
+            Event::PhaseEnd
+        } else if self.upper.is_finite() {
+            Event::Break(Load::full(self.upper))
+        } else {
+            Event::None
+        }
+    }
+}
+
+/// Whether a bond is at its limit, or within the share `tie` of it and bound to reach it.
+pub fn is_at_limit(stretches: [f64; 2], limit: CriticalStretch, load: Load, tie: f64) -> bool {
+    let stretch = load.combine(stretches);
+    let outwards = load.share < 1.0 || stretch * stretches[1] > 0.0;
+    outwards && limit.utilisation(stretch) * (1.0 + tie) >= 1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMIT: CriticalStretch = CriticalStretch {
+        tension: 2.0,
+        compression: 10.0,
+    };
+
+    #[test]
+    fn a_bond_bounds_the_load_from_both_sides() {
+        let bounds = Bounds::of([1.0, 0.5], LIMIT, 0.0);
+        assert_eq!(
+            (bounds.lower, bounds.upper, bounds.excess),
+            (-22.0, 2.0, 0.5)
+        );
+        let turned = Bounds::of([1.0, -0.5], LIMIT, 0.0);
+        assert_eq!((turned.lower, turned.upper), (-2.0, 22.0));
+        let both = bounds.and(turned);
+        assert_eq!((both.lower, both.upper), (-2.0, 2.0));
+        assert_eq!(both.event(0.0, None), Event::Break(Load::full(2.0)));
+        assert_eq!(both.event(0.0, Some(1.5)), Event::PhaseEnd);
+        assert_eq!(Bounds::NONE.event(0.0, None), Event::None);
+    }
+
+    #[test]
+    fn what_no_load_factor_carries_recedes() {
+        // Held at twice its limit, and another bond that breaks before λ has relieved it.
+        let bounds = Bounds::of([4.0, -0.5], LIMIT, 0.0).and(Bounds::of([1.0, 0.5], LIMIT, 0.0));
+        let event = bounds.event(0.0, None);
+        assert_eq!(
+            event,
+            Event::Break(Load {
+                share: 0.5,
+                factor: 0.0
+            })
+        );
+    }
+}

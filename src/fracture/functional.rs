@@ -1,0 +1,132 @@
+//! What a run asks of every state besides the stretches: a few linear functionals of the displacement.
+//!
+//! With r = K u − f at the prescribed dofs,
+//!
+//! ```text
+//! Q = g·r   (a resultant of reactions),   W = g·u   (the displacement that a load works along)
+//! ```
+//!
+//! When a spring of stiffness k and elongation e = w·u leaves, K' = K − k w wᵀ, both change by
+//! k (w·u') (w·v): for W, v is the response to the forces g; for Q, the response to the prescribed
+//! displacements −g (Betti).
+
+use super::event::Load;
+use super::programme::Programme;
+use crate::statics::{Factorised, Solution};
+use std::collections::BTreeMap;
+
+/// One of them.
+#[derive(Clone, Debug)]
+pub struct Functional {
+    /// Of the reactions, or else of the displacements.
+    of_reactions: bool,
+    /// g, dof by dof, ascending.
+    weights: Vec<(usize, f64)>,
+}
+
+impl Functional {
+    pub fn value(&self, solution: &Solution) -> f64 {
+        let field = match self.of_reactions {
+            true => &solution.reaction,
+            false => &solution.displacement,
+        };
+        let terms = self.weights.iter();
+        terms
+            .map(|&(dof, g)| g * field[dof / 2][dof % 2])
+            .sum::<f64>()
+    }
+
+    /// Adds what becomes v by [`Factorised::respond`] and [`Functional::complete`].
+    fn prepare(&self, factorised: &Factorised, forces: &mut [f64]) {
+        for &(dof, g) in &self.weights {
+            forces[dof] = g;
+        }
+        if self.of_reactions {
+            let moved = factorised.force(forces);
+            forces.copy_from_slice(&moved);
+        }
+    }
+
+    fn complete(&self, v: &mut [f64]) {
+        if self.of_reactions {
+            self.weights.iter().for_each(|&(dof, g)| v[dof] -= g);
+        }
+    }
+}
+
+/// v of every functional, dof by dof.
+pub fn fields(list: &[Functional], factorised: &Factorised, dofs: usize) -> Vec<Vec<f64>> {
+    let mut all = vec![0.0; dofs * list.len()];
+    let each = || list.iter();
+    for (functional, forces) in each().zip(all.chunks_exact_mut(dofs)) {
+        functional.prepare(factorised, forces);
+    }
+    if !list.is_empty() {
+        factorised.respond(&mut all, list.len());
+    }
+    for (functional, v) in each().zip(all.chunks_exact_mut(dofs)) {
+        functional.complete(v);
+    }
+    all.chunks_exact(dofs).map(<[f64]>::to_vec).collect()
+}
+
+/// The functionals of a programme: for every phase Q and W with its prescribed displacements and its
+/// loads as g, then the two resultants on every group that prescribes displacements.
+pub(super) fn of_programme(programme: &Programme) -> Vec<Functional> {
+    let mut list = Vec::new();
+    for phase in &programme.phases {
+        let prescribed = phase.boundary.prescribed.iter();
+        let loads = phase.boundary.load.iter().copied().enumerate();
+        list.push(Functional {
+            of_reactions: true,
+            weights: nonzero(prescribed.map(|(&dof, (value, _))| (dof, *value))),
+        });
+        list.push(Functional {
+            of_reactions: false,
+            weights: nonzero(loads),
+        });
+    }
+    let mut groups: BTreeMap<&str, [Vec<(usize, f64)>; 2]> = BTreeMap::new();
+    for (&dof, (_, group)) in &programme.supports().prescribed {
+        groups.entry(group).or_default()[dof % 2].push((dof, 1.0));
+    }
+    let resultants = groups.into_values().flatten();
+    list.extend(resultants.map(|weights| Functional {
+        of_reactions: true,
+        weights,
+    }));
+    list
+}
+
+fn nonzero(weights: impl Iterator<Item = (usize, f64)>) -> Vec<(usize, f64)> {
+    weights.filter(|&(_, g)| g != 0.0).collect()
+}
+
+/// The functionals of [`of_programme`] at one moment, under what is held and per unit of λ.
+#[derive(Clone, Debug)]
+pub struct Values(pub Vec<[f64; 2]>);
+
+impl Values {
+    pub fn of(list: &[Functional], [held, unit]: [Option<&Solution>; 2]) -> Values {
+        let value = |f: &Functional| [held, unit].map(|u| u.map_or(0.0, |u| f.value(u)));
+        Values(list.iter().map(value).collect())
+    }
+
+    /// Q [J] and W [J] of a phase.
+    pub fn work(&self, phase: usize, load: Load) -> [f64; 2] {
+        [0, 1].map(|k| load.combine(self.0[2 * phase + k]))
+    }
+
+    /// Q of a phase per unit of λ [J].
+    pub fn stiffness(&self, phase: usize) -> f64 {
+        self.0[2 * phase][1]
+    }
+
+    /// The resultant on each group that prescribes displacements, in alphabetical order [N].
+    pub fn resultants(&self, phases: usize, load: Load) -> Vec<[f64; 2]> {
+        let groups = self.0[2 * phases..].chunks_exact(2);
+        groups
+            .map(|axes| [0, 1].map(|k| load.combine(axes[k])))
+            .collect()
+    }
+}

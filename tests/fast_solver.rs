@@ -1,0 +1,265 @@
+//! The fast way to the next response against a factorisation for every response: the same bonds in the
+//! same order, and the same load factors to 1e-9.
+//!
+//! Updates of a factor leave some 1e-13 of the load factor; 1e-9 is what the issue asks for, and a bond
+//! taken for another would miss it by 1e-3, the width of a tie.
+
+mod common;
+
+use common::*;
+use peristitch::boundary::Boundary;
+use peristitch::cracks::Cracks;
+use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Resolution, Until};
+use peristitch::fracture::failure::{CriticalStretch, Strength};
+use peristitch::fracture::programme::{LoadPhase, Programme};
+use peristitch::fracture::response::Response;
+use peristitch::fracture::state::{Limits, State};
+use peristitch::material::PlaneState;
+use peristitch::mesh::{CellKind, Edge};
+use peristitch::model::{Method, Model, PeridynamicSettings};
+use peristitch::peridynamics::lattice::Placement;
+use peristitch::phases::Phases;
+use peristitch::statics::StaticsError;
+
+const DX: f64 = 2.5e-3;
+
+/// 100 × 100 mm, grips of finite elements below and above 40 × 24 points, with a crack along each of
+/// the given lines.
+fn plate(lines: &[[[f64; 2]; 2]]) -> (Model, Limits) {
+    let grid = Grid {
+        size: [0.1, 0.1],
+        count: [10, 10],
+        kind: CellKind::Quad4,
+    };
+    let mut mesh = grid.plain();
+    name_cells(&mut mesh, "grips", |[_, y]| (y - 0.05).abs() > 0.03);
+    name_cells(&mut mesh, "points", |[_, y]| (y - 0.05).abs() < 0.03);
+    name_curve(&mut mesh, "top", |[_, y]| y > 0.1 - 1e-9);
+    name_curve(&mut mesh, "bottom", |[_, y]| y < 1e-9);
+    let edges: Vec<Edge> = lines
+        .iter()
+        .map(|line| {
+            let first = mesh.nodes.len();
+            mesh.nodes.extend(line);
+            Edge {
+                ends: [first, first + 1],
+                middle: None,
+            }
+        })
+        .collect();
+    let cracks = Cracks::new(&mesh, &edges);
+    let settings = PeridynamicSettings {
+        horizon_ratio: 3.0,
+        ..paper_lattice(DX, Placement::CellCentred)
+    };
+    let regions = vec![
+        region(&mesh, &["grips"], steel(), Method::FiniteElements),
+        region(&mesh, &["points"], steel(), Method::Peridynamics(settings)),
+    ];
+    let model = build(mesh, regions, PlaneState::Stress).with_cracks(&cracks);
+    let strength = Strength::Stress {
+        tensile: 2e6,
+        compressive: Some(20e6),
+    };
+    let limit = CriticalStretch::new(strength, steel().young, &model.points[0].micromodulus);
+    let class = |spring| u32::from(spring < model.bond_count);
+    let limits = Limits {
+        table: vec![CriticalStretch::UNBREAKABLE, limit],
+        class: (0..model.springs.len()).map(class).collect(),
+    };
+    (model, limits)
+}
+
+/// The bottom held, the top moved.
+fn grips(model: &Model, top: [f64; 2]) -> Boundary {
+    let mut boundary = Boundary::new(model);
+    let bottom = boundary.displace(model, "bottom", [Some(0.0); 2]);
+    bottom.expect("a grip");
+    let top = boundary.displace(model, "top", top.map(Some));
+    top.expect("a grip");
+    boundary
+}
+
+struct Course {
+    state: State,
+    /// Load factor, share, bonds broken, energies and residual behind each step.
+    steps: Vec<([f64; 2], usize, [f64; 3], f64)>,
+    ending: Ending,
+    factorisations: usize,
+}
+
+fn run(
+    (model, limits): &(Model, Limits),
+    programme: &Programme,
+    control: Control,
+    steps: usize,
+    resolution: Resolution,
+) -> Course {
+    let problem = Problem {
+        model,
+        programme,
+        limits,
+        control,
+        until: Until {
+            steps,
+            separated: true,
+        },
+        resolution,
+    };
+    let mut state = State::new(model, programme);
+    let mut list = Vec::new();
+    let mut phases = Phases::default();
+    let observe = |state: &State, record: Record, _: &Response| {
+        let energy = state.energy;
+        list.push((
+            [state.load.factor, state.load.share],
+            state.broken.len(),
+            [energy.external, energy.elastic, energy.dissipated],
+            record.residual,
+        ));
+        Ok::<(), StaticsError>(())
+    };
+    let ending = control::run(&problem, &mut state, &mut phases, observe).expect("no error");
+    let factorisations = phases.list.iter().find(|p| p.name == "factorisation");
+    Course {
+        state,
+        steps: list,
+        ending,
+        factorisations: factorisations.map_or(0, |p| p.count),
+    }
+}
+
+/// Runs both ways and compares; returns how many factorisations each took.
+fn compare(
+    plate: &(Model, Limits),
+    programme: &Programme,
+    control: Control,
+    steps: usize,
+) -> [usize; 2] {
+    let [fast, reference] = [Resolution::Fast, Resolution::Reference]
+        .map(|resolution| run(plate, programme, control, steps, resolution));
+    assert_eq!(
+        fast.state.broken, reference.state.broken,
+        "{control:?}: the order of the bonds"
+    );
+    assert_eq!(fast.ending, reference.ending, "{control:?}");
+    assert_eq!(fast.steps.len(), reference.steps.len(), "{control:?}");
+    assert_eq!(
+        fast.state.fragments, reference.state.fragments,
+        "{control:?}"
+    );
+    let mut scale = 0.0f64;
+    for (step, (own, other)) in fast.steps.iter().zip(&reference.steps).enumerate() {
+        let what = format!("{control:?}, step {}", step + 1);
+        for (own, other) in own.0.iter().zip(&other.0) {
+            assert!(
+                (own - other).abs() <= 1e-9 * other.abs(),
+                "{what}: {own} {other}"
+            );
+        }
+        assert_eq!(own.1, other.1, "{what}: bonds");
+        scale = scale.max(other.2[0].abs());
+        for (own, other) in own.2.iter().zip(&other.2) {
+            assert!(
+                (own - other).abs() <= 1e-9 * scale,
+                "{what}: energy {own} {other}"
+            );
+        }
+        // The bound of the drift.
+        assert!(own.3 <= 1e-11, "{what}: residual {:e}", own.3);
+    }
+    let largest = |field: &[[f64; 2]]| {
+        field
+            .iter()
+            .flatten()
+            .fold(0.0, |a, b| f64::max(a, b.abs()))
+    };
+    let differ = |own: &[[f64; 2]], other: &[[f64; 2]], what: &str| {
+        let scale = largest(other);
+        for (own, other) in own.iter().flatten().zip(other.iter().flatten()) {
+            assert!((own - other).abs() <= 1e-9 * scale, "{control:?}: {what}");
+        }
+    };
+    differ(
+        &fast.state.displacement,
+        &reference.state.displacement,
+        "displacement",
+    );
+    differ(&fast.state.reaction, &reference.state.reaction, "reaction");
+    [fast.factorisations, reference.factorisations]
+}
+
+const CENTRE: [[f64; 2]; 2] = [[0.0375, 0.05], [0.0625, 0.05]];
+const TWO: [[[f64; 2]; 2]; 2] = [
+    [[0.0, 0.0425], [0.03, 0.0425]],
+    [[0.07, 0.0575], [0.1, 0.0575]],
+];
+
+/// To the last bond: fragments and hinges at the end are found on the way.
+#[test]
+fn event_driven_from_one_crack_and_from_two() {
+    for lines in [&[CENTRE][..], &TWO[..]] {
+        let plate = plate(lines);
+        let programme = Programme::proportional(grips(&plate.0, [0.0, 1e-7]));
+        let [fast, reference] = compare(&plate, &programme, Control::EventDriven, 2000);
+        assert!(
+            reference > 100 && 5 * fast < reference,
+            "{fast} {reference}"
+        );
+    }
+}
+
+/// Shear is held, then the grips are drawn apart: λ is bounded from both sides, and where nothing
+/// carries what is held the loads recede.
+#[test]
+fn event_driven_on_top_of_what_is_held() {
+    let plate = plate(&[CENTRE]);
+    let phase = |name: &str, top, end| LoadPhase {
+        name: name.to_owned(),
+        boundary: grips(&plate.0, top),
+        increment: 1.0,
+        end,
+    };
+    let programme = Programme::new(vec![
+        phase("shear", [5e-8, 0.0], Some(20.0)),
+        phase("tension", [0.0, 5e-8], None),
+    ]);
+    let [fast, reference] = compare(&plate, &programme, Control::EventDriven, 400);
+    assert!(
+        reference > 100 && 3 * fast < reference,
+        "{fast} {reference}"
+    );
+}
+
+#[test]
+fn load_steps() {
+    let equilibrium = Control::Equilibrium { most_passes: 500 };
+    for lines in [&[CENTRE][..], &TWO[..]] {
+        let plate = plate(lines);
+        let programme = Programme::proportional(grips(&plate.0, [0.0, 1e-7]));
+        for control in [Control::OnePass, equilibrium] {
+            compare(&plate, &programme, control, 400);
+        }
+    }
+}
+
+/// The bits of a run do not depend on the number of threads, nor on where it was taken up again.
+#[test]
+fn the_same_bits_with_any_number_of_threads() {
+    let plate = plate(&[CENTRE]);
+    let programme = Programme::proportional(grips(&plate.0, [0.0, 1e-7]));
+    let [one, two] = [1, 2].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let run = || {
+            run(
+                &plate,
+                &programme,
+                Control::EventDriven,
+                120,
+                Resolution::Fast,
+            )
+        };
+        pool.expect("a pool").install(run)
+    });
+    assert!(one.state == two.state && one.steps == two.steps);
+}

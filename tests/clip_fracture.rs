@@ -17,7 +17,7 @@ use common::*;
 use peristitch::boundary::Boundary;
 use peristitch::coupling::Coupling;
 use peristitch::cracks::Cracks;
-use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Until};
+use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Resolution, Until};
 use peristitch::fracture::failure::{CriticalStretch, Strength};
 use peristitch::fracture::programme::Programme;
 use peristitch::fracture::response::Response;
@@ -116,6 +116,7 @@ impl Plate {
             programme: &self.programme,
             limits: &self.limits,
             control,
+            resolution: Resolution::Fast,
             until: Until {
                 steps: 2000,
                 separated: true,

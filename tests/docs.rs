@@ -464,7 +464,7 @@ fn the_import_table_is_that_of_the_sources() {
         );
     }
     assert_eq!(described, found);
-    assert_eq!(described.len(), 21);
+    assert_eq!(described.len(), 22);
 }
 
 #[test]

@@ -114,6 +114,7 @@
 //!   finite element method. Earthquake Engineering & Structural Dynamics 4, 245–249.
 //! - Barlow J. (1976). Optimal stress locations in finite element models. International Journal for
 //!   Numerical Methods in Engineering 10, 243–251.
+//! - Muskhelishvili N. I. (1953). Some Basic Problems of the Mathematical Theory of Elasticity. Noordhoff.
 //! - Strang G., Fix G. J. (1973). An Analysis of the Finite Element Method. Prentice-Hall.
 //! - Dunavant D. A. (1985). High degree efficient symmetrical Gaussian quadrature rules for the
 //!   triangle. International Journal for Numerical Methods in Engineering 21, 1129–1148.

@@ -332,7 +332,12 @@ fn regions() {
         "horizon: 4\n    micromodulus: isotropic",
         &micromodulus,
     );
-    for (key, value) in [("micromodulus", "raw"), ("surface_correction", "force")] {
+    for (key, value) in [
+        ("micromodulus", "raw"),
+        ("surface_correction", "force"),
+        ("angle", "20 deg"),
+        ("origin", "[0 mm, 0 mm]"),
+    ] {
         let lattice_only = [
             "bar.yaml:10:",
             &format!("`{key}` belongs to peridynamic regions"),
@@ -344,6 +349,26 @@ fn regions() {
             &lattice_only,
         );
     }
+    let clip = [
+        "bar.yaml:16:",
+        "the clip needs a lattice with the finite elements' moduli",
+        "remove `micromodulus`",
+    ];
+    assert_edit(
+        "    horizon: 4\ncoupling: truss",
+        "    horizon: 4\n    micromodulus: raw\ncoupling: clip",
+        &clip,
+    );
+    assert_edit(
+        "horizon: 4",
+        "horizon: 4\n    angle: 20 mm",
+        &["bar.yaml:16:12", "angle"],
+    );
+    assert_edit(
+        "horizon: 4",
+        "horizon: 4\n    origin: 0.2 mm",
+        &["bar.yaml:16:", "origin"],
+    );
     let fem = "- { group: [left, right], model: fem, material: solid }";
     let overlap = ["bar.yaml:11:12", "`left+band` and `band` overlap: 16 cells"];
     assert_edit("[left, right]", "[left, band]", &overlap);

@@ -15,6 +15,8 @@ use std::path::Path;
 use std::process::Command;
 use workplace::{BINARY, repository};
 
+const PAGE: &str = include_str!("../docs/fracture.md");
+
 /// Side of the plates [m].
 const SIDE: f64 = 0.05;
 const SPACING: f64 = 0.5e-3;
@@ -23,6 +25,20 @@ const SPACING: f64 = 0.5e-3;
 struct Plate {
     model: Model,
     frames: Vec<Frame>,
+    /// Of the grips, from step 0 on [N].
+    reactions: Vec<f64>,
+}
+
+fn column(history: &str, name: &str) -> Vec<f64> {
+    let mut lines = history.lines();
+    let names = lines.next().expect("names");
+    let index = names.split(',').position(|n| n == name).expect("a column");
+    let cell = |line: &str| {
+        line.split(',')
+            .nth(index)
+            .and_then(|cell| cell.parse().ok())
+    };
+    lines.map(|line| cell(line).expect("a number")).collect()
 }
 
 fn decode<T: DeserializeOwned>(path: &Path) -> T {
@@ -32,6 +48,11 @@ fn decode<T: DeserializeOwned>(path: &Path) -> T {
 
 impl Plate {
     fn run(name: &str) -> Plate {
+        Plate::run_with(name, &[])
+    }
+
+    /// With values set as by `--set`.
+    fn run_with(name: &str, set: &[&str]) -> Plate {
         let results = tempfile::tempdir().expect("a temporary folder");
         let pipeline = repository().join(format!("pipelines/{name}.yaml"));
         let mut command = Command::new(BINARY);
@@ -41,6 +62,7 @@ impl Plate {
             .arg("--results")
             .arg(results.path());
         command.args(["--set", "output.every=1", "--until", "solve"]);
+        command.args(set.iter().flat_map(|set| ["--set", set]));
         let output = command.output().expect("the binary starts");
         assert!(
             output.status.success(),
@@ -49,7 +71,8 @@ impl Plate {
         );
         let folder = results.path().join(name);
         let extract: Extract = decode(&folder.join("mesh.bin"));
-        let plan = Plan::read(&pipeline, &[], None).expect("a sound pipeline");
+        let set: Vec<String> = set.iter().map(|&set| set.to_owned()).collect();
+        let plan = Plan::read(&pipeline, &set, None).expect("a sound pipeline");
         let mesh = extract
             .to_mesh(plan.geometry.unit_in_metres)
             .expect("a mesh");
@@ -61,7 +84,14 @@ impl Plate {
         frames.sort_by_key(|frame| frame.step);
         let steps = frames.iter().map(|frame| frame.step);
         assert!(steps.eq(0..frames.len()), "a frame for every step");
-        Plate { model, frames }
+        let history = std::fs::read_to_string(folder.join("history.csv")).expect("a history");
+        let mut reactions = vec![0.0];
+        reactions.extend(column(&history, "reaction_n"));
+        Plate {
+            model,
+            frames,
+            reactions,
+        }
     }
 
     /// Bonds and trusses that are broken, by their ends' positions in micrometres, ascending.
@@ -192,6 +222,48 @@ fn two_cracks_stay_mirror_images() {
         at_39 > 0.2 && early < 0.2,
         "{at_39} at step 39, {early} at step 29"
     );
+}
+
+/// `plate_mode_i` with the couplings that pass the patch test, as docs/fracture.md has it: first break, peak, the
+/// reaction under 10 and 3 % of it, separation.
+#[test]
+fn one_crack_under_clip_and_splice() {
+    for (coupling, expected) in [
+        ("clip", [44, 65, 91, 93, 123]),
+        ("splice", [44, 65, 91, 92, 94]),
+    ] {
+        let set = [
+            &format!("coupling={coupling}"),
+            "regions.1.micromodulus=isotropised",
+            "regions.1.surface_correction=force",
+        ];
+        let plate = Plate::run_with("plate_mode_i", &set);
+        plate.assert_symmetric(left_right, "left and right");
+        plate.assert_symmetric(up_down, "up and down");
+        plate.assert_no_damage_beside_the_interfaces();
+        let pairs = plate.model.springs.pairs().len();
+        let last = &plate.frames[plate.last()];
+        assert!(last.intact.len() > pairs && last.intact[pairs..].iter().all(|intact| *intact));
+        let first = plate
+            .frames
+            .iter()
+            .position(|f| f.intact != plate.frames[0].intact);
+        let peak = (0..plate.reactions.len())
+            .max_by(|&a, &b| plate.reactions[a].total_cmp(&plate.reactions[b]))
+            .expect("steps");
+        let under = |share: f64| {
+            let mut later = peak..plate.reactions.len();
+            later.find(|&step| plate.reactions[step] < share * plate.reactions[peak])
+        };
+        let found = [first, Some(peak), under(0.1), under(0.03), under(0.02)];
+        assert_eq!(found, expected.map(Some), "{coupling}");
+        assert_eq!(Some(plate.last()), found[4], "{coupling}");
+        let steps = expected.map(|step| step.to_string()).join(" | ");
+        assert!(
+            PAGE.contains(&steps),
+            "docs/fracture.md, {coupling}: {steps}"
+        );
+    }
 }
 
 /// One bond more on one side, and the comparison would say so.

@@ -170,10 +170,9 @@ pub fn run<E: From<StaticsError>>(
             }
             return Ok(ending);
         }
-        if last_broken > 0 || is_new_phase {
-            if let Err(error) = response.renew(&solver, problem, state, phases) {
-                return Ok(state.stop(&error));
-            }
+        let is_stale = last_broken > 0 || is_new_phase;
+        if is_stale && let Err(error) = response.renew(&solver, problem, state, phases) {
+            return Ok(state.stop(&error));
         }
     }
     Ok(Ending::NothingLeftToBreak)

@@ -1,0 +1,315 @@
+//! Bonds break under the clip: a notched plate separates under every control, mirror-symmetric, its energies
+//! balance; cracks beside and across the interface sever clipped bonds by their segments.
+//!
+//! ```text
+//!   ┌────────────┐ ↑  Q4, 10 mm
+//!   ├────────────┤
+//!   │            │
+//!   ╞═════       │    40 × 24 points, 2.5 mm, m = 3
+//!   │            │
+//!   ├────────────┤
+//!   └────────────┘ ↓
+//! ```
+
+mod common;
+
+use common::*;
+use peristitch::boundary::Boundary;
+use peristitch::coupling::Coupling;
+use peristitch::cracks::Cracks;
+use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Resolution, Until};
+use peristitch::fracture::failure::{CriticalStretch, Strength};
+use peristitch::fracture::programme::Programme;
+use peristitch::fracture::response::Response;
+use peristitch::fracture::state::{Limits, State, damage};
+use peristitch::material::PlaneState;
+use peristitch::mesh::{CellKind, Edge};
+use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings};
+use peristitch::peridynamics::bonds::family_offsets;
+use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
+use peristitch::peridynamics::surface::SurfaceCorrection;
+use peristitch::phases::Phases;
+use peristitch::statics::StaticsError;
+
+const DX: f64 = 2.5e-3;
+const THICKNESS: f64 = 0.7;
+/// The interfaces lie here and at 0.08 m [m].
+const INTERFACE: f64 = 0.02;
+/// Prescribed on either grip per unit of the load factor [m]. With five times as much, one pass per step also
+/// breaks bonds beside the interface, and no other control does.
+const STEP: f64 = 1e-8;
+
+struct Plate {
+    model: Model,
+    programme: Programme,
+    limits: Limits,
+}
+
+type Crack = [[f64; 2]; 2];
+
+impl Plate {
+    fn new(cracks: &[Crack]) -> Plate {
+        let grid = Grid {
+            size: [0.1, 0.1],
+            count: [10, 10],
+            kind: CellKind::Quad4,
+        };
+        let mut mesh = grid.plain();
+        name_cells(&mut mesh, "grips", |[_, y]| (y - 0.05).abs() > 0.03);
+        name_cells(&mut mesh, "points", |[_, y]| (y - 0.05).abs() < 0.03);
+        name_curve(&mut mesh, "top", |[_, y]| y > 0.1 - 1e-9);
+        name_curve(&mut mesh, "bottom", |[_, y]| y < 1e-9);
+        let mut edges = Vec::new();
+        for crack in cracks {
+            let first = mesh.nodes.len();
+            mesh.nodes.extend(crack);
+            edges.push(Edge {
+                ends: [first, first + 1],
+                middle: None,
+            });
+        }
+        let settings = PeridynamicSettings {
+            lattice: LatticeSettings::upright(DX, Placement::CellCentred, CellArea::Clipped),
+            horizon_ratio: 3.0,
+            isotropised: true,
+            surface_correction: SurfaceCorrection::Force,
+            ..paper_lattice(DX, Placement::CellCentred)
+        };
+        let cracks = Cracks::new(&mesh, &edges);
+        let regions = vec![
+            region(&mesh, &["grips"], steel(), Method::FiniteElements),
+            region(&mesh, &["points"], steel(), Method::Peridynamics(settings)),
+        ];
+        let settings = ModelSettings {
+            plane: PlaneState::Stress,
+            thickness: THICKNESS,
+            coupling: Coupling::Clip,
+        };
+        let model = Model::build(mesh, regions, settings).expect("a sound model");
+        let model = model.with_cracks(&cracks);
+        let mut boundary = Boundary::new(&model);
+        for (group, sign) in [("top", 1.0), ("bottom", -1.0)] {
+            let u = [Some(0.0), Some(sign * STEP)];
+            boundary.displace(&model, group, u).expect("a grip");
+        }
+        let strength = Strength::Stress {
+            tensile: 2e6,
+            compressive: Some(20e6),
+        };
+        let limit = CriticalStretch::new(strength, steel().young, &model.points[0].micromodulus);
+        // As the pipeline has it: what clipping leaves between two sides of elements never breaks.
+        let class = |s: usize| u32::from(model.regions_of_spring(s).is_some());
+        let limits = Limits {
+            table: vec![CriticalStretch::UNBREAKABLE, limit],
+            class: (0..model.springs.len()).map(class).collect(),
+        };
+        Plate {
+            model,
+            programme: Programme::proportional(boundary),
+            limits,
+        }
+    }
+
+    fn run(&self, control: Control) -> (Ending, State, Vec<Record>) {
+        let problem = Problem {
+            model: &self.model,
+            programme: &self.programme,
+            limits: &self.limits,
+            control,
+            resolution: Resolution::Fast,
+            until: Until {
+                steps: 2000,
+                separated: true,
+            },
+        };
+        let mut records = Vec::new();
+        let observe = |_: &State, record: Record, _: &Response| {
+            records.push(record);
+            Ok::<(), StaticsError>(())
+        };
+        let mut state = State::new(&self.model, &self.programme);
+        let ending = control::run(&problem, &mut state, &mut Phases::default(), observe);
+        (ending.expect("no error"), state, records)
+    }
+
+    /// Ends of the broken springs in units of dx/10000, and those of their mirror images above and below,
+    /// each sorted. The offset keeps positions away from where rounding decides.
+    fn broken(&self, state: &State) -> [Vec<[[i64; 2]; 2]>; 2] {
+        let (springs, positions) = (&self.model.springs, &self.model.positions);
+        let key = |s: usize, mirrored: bool| {
+            let mut ends = springs.segment(s, positions).map(|[x, y]| {
+                let y = if mirrored { 0.1 - y } else { y };
+                [x, y].map(|c| (1e4 * c / DX + 0.137).round() as i64)
+            });
+            ends.sort_unstable();
+            ends
+        };
+        [false, true].map(|mirrored| {
+            let broken = (0..springs.len()).filter(|&s| !state.intact[s]);
+            let mut keys: Vec<_> = broken.map(|s| key(s, mirrored)).collect();
+            keys.sort_unstable();
+            keys
+        })
+    }
+
+    /// The largest damage of points within δ of an interface.
+    fn damage_beside_the_interface(&self, intact: &[bool]) -> f64 {
+        let points = &self.model.positions[self.model.fe_node_count()..];
+        let all = points.iter().zip(damage(&self.model, intact));
+        let beside = all.filter(|(x, _)| (x[1] - 0.05).abs() > 0.03 - 3.0 * DX);
+        beside.map(|(_, damage)| damage).fold(0.0, f64::max)
+    }
+
+    /// Springs that meet a segment, by the two parameters of the point where the lines cross.
+    fn crossing(&self, [p, q]: Crack) -> usize {
+        let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+        let from_to = |a: [f64; 2], b: [f64; 2]| [b[0] - a[0], b[1] - a[1]];
+        let meets = |&s: &usize| {
+            let [a, b] = self.model.springs.segment(s, &self.model.positions);
+            let (own, other, between) = (from_to(a, b), from_to(p, q), from_to(a, p));
+            let area = cross(own, other);
+            let parameters = [cross(between, other) / area, cross(between, own) / area];
+            area != 0.0 && parameters.iter().all(|t| (0.0..=1.0).contains(t))
+        };
+        (0..self.model.springs.len()).filter(meets).count()
+    }
+
+    fn severed(&self) -> impl Iterator<Item = usize> {
+        (0..self.model.springs.len()).filter(|&s| !self.model.intact[s])
+    }
+
+    /// Σ k ξ of what a crack severs [N]; the forces across it under a stretch of one are its components.
+    fn severed_force(&self) -> f64 {
+        let Model {
+            springs, positions, ..
+        } = &self.model;
+        let force = |s: usize| springs.stiffness[s] * springs.length(s, positions);
+        self.severed().map(force).sum()
+    }
+
+    /// Σ ½ k ξ² / (c0 M3 h_t) of what a crack severs [m], as `crack_length_m` is.
+    fn crack_length(&self) -> f64 {
+        let Model {
+            springs, positions, ..
+        } = &self.model;
+        let micromodulus = &self.model.points[0].micromodulus;
+        let rate = micromodulus.c0 * micromodulus.third_moment() * THICKNESS;
+        let energy = |s: usize| 0.5 * springs.stiffness[s] * springs.length(s, positions).powi(2);
+        self.severed().map(energy).sum::<f64>() / rate
+    }
+}
+
+/// Σ k ξ over the bonds that a crack of `columns` dx along x severs in an endless lattice [N]: of each
+/// family (a, b) dx, b > 0, there are b in each column.
+fn force_across(plate: &Plate, columns: f64) -> f64 {
+    let micromodulus = &plate.model.points[0].micromodulus;
+    let families = family_offsets(micromodulus).into_iter();
+    let of_family = families.filter(|[_, b]| *b > 0).map(|family| {
+        let bond = family.map(|steps| f64::from(steps) * DX);
+        let stiffness = micromodulus.axial_stiffness(bond, [DX * DX; 2], THICKNESS);
+        f64::from(family[1]) * stiffness * bond[0].hypot(bond[1])
+    });
+    columns * of_family.sum::<f64>()
+}
+
+#[test]
+fn a_notched_plate_separates_under_every_control() {
+    let plate = Plate::new(&[[[0.0, 0.05], [0.05, 0.05]]]);
+    for control in [
+        Control::OnePass,
+        Control::Equilibrium { most_passes: 500 },
+        Control::EventDriven,
+    ] {
+        let (ending, state, records) = plate.run(control);
+        let residual = records.iter().map(|r| r.residual).fold(0.0, f64::max);
+        let [broken, mirrored] = plate.broken(&state);
+        let energy = state.energy;
+        let balance = (energy.external - energy.elastic - energy.dissipated) / energy.external;
+        let beside = plate.damage_beside_the_interface(&state.intact);
+        assert_eq!(ending, Ending::Separated, "{control:?}");
+        assert_eq!(broken, mirrored, "{control:?}");
+        assert!(residual < 1e-12, "{control:?}: {residual:e}");
+        assert!(balance.abs() < 1e-10, "{control:?}: {balance:e}");
+        assert_eq!(beside, 0.0, "{control:?}");
+    }
+}
+
+/// Twenty columns long, its tips on no lattice line, and a whole number of elements, so that the parts of
+/// strips along it repeat.
+fn level_crack(y: f64) -> Crack {
+    let start = 0.025 + 0.137 * DX;
+    [[start, y], [start + 20.0 * DX, y]]
+}
+
+/// A crack in the elements severs nothing, though bonds of the continued lattice would cross it. Of an endless
+/// lattice's bonds it severs all, in force, but beside the first row of points; there the parts of bonds are
+/// short, and it costs less than its length: (dx from the interface, springs, of them clipped, force, length).
+#[test]
+fn a_crack_beside_the_interface_severs_by_the_segments() {
+    for y in [INTERFACE - 0.01 * DX, INTERFACE - DX] {
+        assert_eq!(Plate::new(&[level_crack(y)]).severed().count(), 0, "{y}");
+    }
+    let nine_tenths = 0.991_12;
+    for (rows, springs, clipped, force, length) in [
+        // Sites beside their points and the points themselves are not in one row, and it passes between them.
+        (0.4, 302, 302, nine_tenths, 0.4979),
+        (1.0, 322, 102, 1.0, 0.9429),
+        (2.0, 340, 0, 1.0, 1.0013),
+        (3.0, 360, 0, 1.0, 1.0013),
+        (12.0, 360, 0, 1.0, 1.0013),
+    ] {
+        let crack = level_crack(INTERFACE + rows * DX);
+        let plate = Plate::new(&[crack]);
+        let pairs = plate.model.springs.pairs().len();
+        let found = plate.severed().count();
+        assert_eq!(found, plate.crossing(crack), "{rows}");
+        assert_eq!(found, springs, "{rows}");
+        assert_eq!(
+            plate.severed().filter(|&s| s >= pairs).count(),
+            clipped,
+            "{rows}"
+        );
+        let found = plate.severed_force() / force_across(&plate, 20.0);
+        let tolerance = if force == 1.0 { 1e-13 } else { 1e-5 };
+        assert!((found - force).abs() < tolerance, "{rows}: {found}");
+        // 1.0013: the lattice's own energy release rate along its axis over the mean of 0° and 45°.
+        let found = plate.crack_length() / (20.0 * DX);
+        assert!((found - length).abs() < 1e-4, "{rows}: {found}");
+    }
+}
+
+/// A crack that runs from the elements across the interface into the lattice, or through it: it severs what its
+/// part in the lattice meets, and reads that part's length less some 0.2 dx at each interface.
+#[test]
+fn a_crack_across_the_interface_reads_its_length_in_the_lattice() {
+    for x in [0.0513, 0.0522, 0.0537, 0.0549, 0.0561, 0.0588] {
+        for (bottom, top, crossings) in [(0.01, 0.05 + 0.137 * DX, 1.0), (-0.01, 0.11, 2.0)] {
+            let crack = [[x, bottom], [x, top]];
+            let plate = Plate::new(&[crack]);
+            assert_eq!(plate.severed().count(), plate.crossing(crack), "{crack:?}");
+            let inside = f64::min(top, 0.08) - INTERFACE;
+            let force = plate.severed_force() / force_across(&plate, inside / DX);
+            // Lines are cut as a whole: some more or fewer at each end.
+            assert_between(force, 0.985, 1.005, &format!("{crack:?}"));
+            let missing = (inside - plate.crack_length()) / (crossings * DX);
+            assert_between(missing, 0.1, 0.35, &format!("{crack:?}"));
+        }
+    }
+}
+
+/// Clipped bonds count in the damage of a point in the first row as their neighbours would. m = 3: 28
+/// neighbours, 11 of them above; the one at δ below has no stiffness, and clipping leaves it out.
+#[test]
+fn clipped_bonds_count_as_damage() {
+    for (y, expected) in [
+        (INTERFACE + DX, 11.0 / 27.0),
+        (INTERFACE + 0.01 * DX, 10.0 / 27.0),
+    ] {
+        let plate = Plate::new(&[[[0.0, y], [0.1, y]]]);
+        let at = [20.5 * DX, INTERFACE + 0.5 * DX];
+        let below = nearest(&plate.model.positions, at);
+        let damage = damage(&plate.model, &plate.model.intact);
+        let found = damage[below - plate.model.fe_node_count()];
+        assert!((found - expected).abs() < 1e-12, "{}", found * 27.0);
+    }
+}

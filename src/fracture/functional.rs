@@ -102,7 +102,7 @@ fn nonzero(weights: impl Iterator<Item = (usize, f64)>) -> Vec<(usize, f64)> {
     weights.filter(|&(_, g)| g != 0.0).collect()
 }
 
-/// The functionals of [`of_programme`] at one moment, under what is held and per unit of λ.
+/// The functionals of a programme at one moment, under what is held and per unit of λ.
 #[derive(Clone, Debug)]
 pub struct Values(pub Vec<[f64; 2]>);
 

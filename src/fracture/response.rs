@@ -8,7 +8,7 @@
 //! λ is the load factor of the current phase, u_held the response to what the phases before it have
 //! left in place. μ = 1, but for the moments in which the body cannot carry what is held.
 //!
-//! Under the event-driven control the response looks ahead ([`super::active_zone`]): it knows a number
+//! Under the event-driven control the response looks ahead (`active_zone.rs`): it knows a number
 //! of events that follow from one factorisation, and goes from one to the next without solving again.
 
 use super::active_zone::{Ahead, look_ahead};

@@ -12,8 +12,8 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use rayon::prelude::*;
 
-/// Nodes of a zone. A wider one lasts longer and costs more; 400 were the best of 250 to 1000 from
-/// 10 000 to 120 000 dofs (docs/performance.md).
+/// Nodes of a zone. A wider one lasts longer and costs more: 400 were better than 250 and 600 at 10 000
+/// dofs, and than 900 at 31 000 (docs/performance.md).
 const NODES: usize = 400;
 
 /// Below this d the bond was about the last to hold something: what is left is a mechanism, or too close

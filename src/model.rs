@@ -138,6 +138,8 @@ pub struct Model {
     pub bond_count: usize,
     /// What clipped bonds are of the points' families.
     pub clipped: Vec<FamilyShare>,
+    /// ξ of the bond that each clipped one is a part of, in the order of the springs behind the pairs [m].
+    clipped_from: Vec<f64>,
     /// What the splice adds; `None` without an interface, or with another coupling.
     pub splice: Option<Splice>,
     /// Whether each spring is there at the start: false where it meets an initial crack.
@@ -209,6 +211,7 @@ impl Model {
             springs: Springs::default(),
             bond_count: 0,
             clipped: Vec::new(),
+            clipped_from: Vec::new(),
             splice: None,
             intact: Vec::new(),
             leader,
@@ -323,6 +326,13 @@ impl Model {
         (self.springs.len() - self.bond_count, what)
     }
 
+    /// t, the part of a bond's length that a spring is [-]; 1 but for clipped bonds.
+    pub fn length_share(&self, spring: usize) -> f64 {
+        let behind_pairs = spring.checked_sub(self.springs.pairs().len());
+        let bond = behind_pairs.and_then(|index| self.clipped_from.get(index));
+        bond.map_or(1.0, |xi| self.springs.length(spring, &self.positions) / xi)
+    }
+
     /// Whether a spring is a truss of the paper's coupling.
     pub fn is_truss(&self, spring: usize) -> bool {
         (self.bond_count..self.springs.pairs().len()).contains(&spring)
@@ -428,6 +438,7 @@ impl Model {
                         spring: before as u32 + share.spring,
                         ..*share
                     }));
+                self.clipped_from.extend(clipped.bond_lengths);
                 bonds.append(clipped.springs);
             }
             let positions: Vec<[f64; 2]> = positions.iter().map(|&x| axes.global(x)).collect();

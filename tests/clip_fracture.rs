@@ -97,11 +97,15 @@ impl Plate {
             compressive: Some(20e6),
         };
         let limit = CriticalStretch::new(strength, steel().young, &model.points[0].micromodulus);
-        // As the pipeline has it: what clipping leaves between two sides of elements never breaks.
-        let class = |s: usize| u32::from(model.regions_of_spring(s).is_some());
+        // As the pipeline has it: what clipping leaves between two sides of elements never breaks, and a
+        // part of a bond takes the energy of the whole.
+        let of_spring = |s: usize| match model.regions_of_spring(s) {
+            Some(_) => limit.of_part(model.length_share(s)),
+            None => CriticalStretch::UNBREAKABLE,
+        };
         let limits = Limits {
-            table: vec![CriticalStretch::UNBREAKABLE, limit],
-            class: (0..model.springs.len()).map(class).collect(),
+            table: (0..model.springs.len()).map(of_spring).collect(),
+            class: (0..model.springs.len() as u32).collect(),
         };
         Plate {
             model,
@@ -194,7 +198,10 @@ impl Plate {
         } = &self.model;
         let micromodulus = &self.model.points[0].micromodulus;
         let rate = micromodulus.c0 * micromodulus.third_moment() * THICKNESS;
-        let energy = |s: usize| 0.5 * springs.stiffness[s] * springs.length(s, positions).powi(2);
+        // A part of a clipped bond takes the energy of the whole.
+        let whole =
+            |s: usize| springs.length(s, positions).powi(2) / self.model.length_share(s).min(1.0);
+        let energy = |s: usize| 0.5 * springs.stiffness[s] * whole(s);
         self.severed().map(energy).sum::<f64>() / rate
     }
 }
@@ -242,8 +249,8 @@ fn level_crack(y: f64) -> Crack {
 }
 
 /// A crack in the elements severs nothing, though bonds of the continued lattice would cross it. Of an endless
-/// lattice's bonds it severs all, in force, but beside the first row of points; there the parts of bonds are
-/// short, and it costs less than its length: (dx from the interface, springs, of them clipped, force, length).
+/// lattice's bonds it severs all, in force and in energy, but between the interface and the first row of points:
+/// (dx from the interface, springs, of them clipped, force, length).
 #[test]
 fn a_crack_beside_the_interface_severs_by_the_segments() {
     for y in [INTERFACE - 0.01 * DX, INTERFACE - DX] {
@@ -252,8 +259,8 @@ fn a_crack_beside_the_interface_severs_by_the_segments() {
     let nine_tenths = 0.991_12;
     for (rows, springs, clipped, force, length) in [
         // Sites beside their points and the points themselves are not in one row, and it passes between them.
-        (0.4, 302, 302, nine_tenths, 0.4979),
-        (1.0, 322, 102, 1.0, 0.9429),
+        (0.4, 302, 302, nine_tenths, 0.9938),
+        (1.0, 322, 102, 1.0, 1.0013),
         (2.0, 340, 0, 1.0, 1.0013),
         (3.0, 360, 0, 1.0, 1.0013),
         (12.0, 360, 0, 1.0, 1.0013),
@@ -279,7 +286,7 @@ fn a_crack_beside_the_interface_severs_by_the_segments() {
 }
 
 /// A crack that runs from the elements across the interface into the lattice, or through it: it severs what its
-/// part in the lattice meets, and reads that part's length less some 0.2 dx at each interface.
+/// part in the lattice meets, and reads that part's length to 0.15 dx at each interface.
 #[test]
 fn a_crack_across_the_interface_reads_its_length_in_the_lattice() {
     for x in [0.0513, 0.0522, 0.0537, 0.0549, 0.0561, 0.0588] {
@@ -292,7 +299,7 @@ fn a_crack_across_the_interface_reads_its_length_in_the_lattice() {
             // Lines are cut as a whole: some more or fewer at each end.
             assert_between(force, 0.985, 1.005, &format!("{crack:?}"));
             let missing = (inside - plate.crack_length()) / (crossings * DX);
-            assert_between(missing, 0.1, 0.35, &format!("{crack:?}"));
+            assert_between(missing, -0.05, 0.15, &format!("{crack:?}"));
         }
     }
 }

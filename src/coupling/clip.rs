@@ -78,6 +78,8 @@ pub struct Region<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct Clip {
     pub springs: Springs,
+    /// ξ of the bond that each spring is a part of [m].
+    pub bond_lengths: Vec<f64>,
     /// What the springs are of the points' families.
     pub shares: Vec<FamilyShare>,
     /// Bonds between two points that `springs` stand for, lower point first, ascending.
@@ -107,7 +109,10 @@ pub fn clip(region: &Region) -> Clip {
         .map(|&family| clip_family(region, family.map(i64::from)))
         .collect();
     let mut all = Clip::default();
-    for part in parts {
+    for ([a, b], part) in families.into_iter().zip(parts) {
+        let bond_length = region.index.spacing * f64::from(a).hypot(f64::from(b));
+        let springs = std::iter::repeat_n(bond_length, part.springs.len());
+        all.bond_lengths.extend(springs);
         let before = all.springs.len() as u32;
         all.shares
             .extend(part.shares.iter().map(|share| FamilyShare {

@@ -49,6 +49,17 @@ impl CriticalStretch {
         }
     }
 
+    /// The limits of what an interface leaves of a bond, the part t < 1 of its length: at s_c/√t it takes
+    /// the energy of the whole bond, ½ (k/t)(t ξ s)² = ½ k ξ² s_c², so that a crack beside an interface
+    /// costs what it costs elsewhere. Springs longer than a bond keep its limits.
+    pub fn of_part(self, t: f64) -> CriticalStretch {
+        let factor = t.min(1.0).sqrt().recip();
+        CriticalStretch {
+            tension: factor * self.tension,
+            compression: factor * self.compression,
+        }
+    }
+
     /// The limits of a bond that breaks when either of two would.
     pub fn weaker(self, other: CriticalStretch) -> CriticalStretch {
         CriticalStretch {
@@ -101,6 +112,19 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn a_part_of_a_bond_takes_the_energy_of_the_whole() {
+        let limit = CriticalStretch {
+            tension: 1.0,
+            compression: 10.0,
+        };
+        let quarter = limit.of_part(0.25);
+        assert_eq!((quarter.tension, quarter.compression), (2.0, 20.0));
+        assert_eq!(limit.of_part(1.2), limit);
+        let unbreakable = CriticalStretch::UNBREAKABLE;
+        assert_eq!(unbreakable.of_part(0.25), unbreakable);
     }
 
     #[test]

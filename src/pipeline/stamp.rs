@@ -26,7 +26,7 @@ impl Stage {
     fn version(self) -> u32 {
         match self {
             Stage::Mesh => 1,
-            Stage::Solve => 3,
+            Stage::Solve => 4,
             Stage::Output => 2,
         }
     }

@@ -12,6 +12,7 @@ use crate::geometry::Outline;
 use crate::mesh::Mesh;
 use crate::model::{Method, Model, ModelError, Region};
 use crate::support::{self, NotHeld};
+use std::collections::BTreeMap;
 
 /// Builds the model and its boundary conditions and checks that the body is held.
 ///
@@ -209,7 +210,7 @@ fn cracks(plan: &Plan, mesh: &Mesh) -> Result<Cracks, InputError> {
 
 /// The critical stretch of every bond and truss. Bonds with an end in a `no_fail` surface never
 /// break, nor do trusses unless the pipeline says so, nor what clipping leaves between two sides of
-/// finite elements.
+/// finite elements. A part of a clipped bond takes the energy of the whole.
 pub fn limits(plan: &Plan, model: &Model) -> Limits {
     let unbreakable = unbreakable_points(plan, model);
     let mut table = vec![CriticalStretch::UNBREAKABLE];
@@ -250,7 +251,18 @@ pub fn limits(plan: &Plan, model: &Model) -> Limits {
             [first, second] => (own * (1 + first) + second) as u32,
         })
     };
-    let class = (0..model.springs.len()).map(class).collect();
+    let mut class: Vec<u32> = (0..model.springs.len()).map(class).collect();
+    let mut of_parts: BTreeMap<(u32, u64), u32> = BTreeMap::new();
+    for (spring, class) in class.iter_mut().enumerate() {
+        let t = model.length_share(spring);
+        if t < 1.0 && *class != 0 {
+            let whole = *class;
+            *class = *of_parts.entry((whole, t.to_bits())).or_insert_with(|| {
+                table.push(table[whole as usize].of_part(t));
+                table.len() as u32 - 1
+            });
+        }
+    }
     Limits { table, class }
 }
 

@@ -127,7 +127,8 @@ fn assert_energies(run: &Run) {
     // A balance can fail: without the last line's dissipation it would.
     let last = run.history.last().expect("a line");
     assert!(last["dissipated_energy_j"] > 0.9 * last["external_work_j"]);
-    assert!(run.column("residual").into_iter().fold(0.0, f64::max) < 1e-12);
+    // What the look ahead lets its updates drift; a factorisation alone leaves 1e-14.
+    assert!(run.column("residual").into_iter().fold(0.0, f64::max) <= 1e-11);
 }
 
 /// From tooth to tooth the crack needs a smaller opening: 20 times in a row, down to two thirds.

@@ -44,7 +44,7 @@ const ELSEWHERE: [&str; 1] = ["compact_tension"]; // tests/snap_back.rs
 /// Two phases: what pushes in the first stays.
 const PROGRAMME: &str = "shear_then_tension";
 /// Traction at the end of its first phase [Pa].
-const SHEAR: f64 = 3e6;
+const SHEAR: f64 = 6e6;
 
 /// The bar on rollers, `cantilever_clip_q8_rollers` with these set: coupling, order of the elements, surface
 /// correction, angle of the lattice [degrees], spacing [mm], and what the tip's u_x is off σL/E [%]. Upright at

@@ -365,11 +365,8 @@ fn check(plan: &Plan) -> Result<(), RunError> {
     );
     println!("  material points   {}", model.areas.len());
     let (ties, what) = model.ties();
-    println!(
-        "  {:<18}{}, {ties}",
-        format!("bonds, {what}"),
-        model.bond_count
-    );
+    println!("  bonds             {}", model.bond_count);
+    println!("  {what:<18}{ties}");
     for interface in &model.interfaces {
         println!(
             "  interface         `{}` to `{}`: {} edges",

@@ -13,6 +13,7 @@ use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
 use peristitch::peridynamics::surface::SurfaceCorrection;
 use peristitch::phases::Phases;
 use peristitch::statics;
+pub use peristitch::verification::bodies::{hold_outline, nearest, outer_nodes, relative_error};
 
 pub fn region(mesh: &Mesh, groups: &[&str], material: Material, method: Method) -> Region {
     let mut cells: Vec<usize> = groups
@@ -34,14 +35,6 @@ pub fn steel() -> Material {
         young: 100e9,
         poisson: PlaneState::Stress.bond_based_poisson(),
     }
-}
-
-/// The node of a model nearest to a position [m].
-pub fn nearest(positions: &[[f64; 2]], at: [f64; 2]) -> usize {
-    let distance = |p: &[f64; 2]| (p[0] - at[0]).hypot(p[1] - at[1]);
-    (0..positions.len())
-        .min_by(|&a, &b| distance(&positions[a]).total_cmp(&distance(&positions[b])))
-        .expect("a model has nodes")
 }
 
 /// A displacement field u(x) [m].
@@ -88,55 +81,11 @@ pub fn paper_lattice(spacing: f64, placement: Placement) -> PeridynamicSettings 
     }
 }
 
-/// The finite-element nodes on the outline of the whole mesh, ascending.
-pub fn outer_nodes(model: &Model) -> Vec<usize> {
-    let all: Vec<usize> = (0..model.mesh.cells.len()).collect();
-    let mut nodes: Vec<usize> = model
-        .mesh
-        .outline(&all)
-        .iter()
-        .flat_map(Edge::nodes)
-        .filter_map(|n| model.node_of[n])
-        .map(|n| n as usize)
-        .collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    nodes
-}
-
-/// Prescribes u(x) on the outline of the whole mesh.
-pub fn hold_outline(model: &Model, field: impl Fn([f64; 2]) -> [f64; 2]) -> Boundary {
-    let mut boundary = Boundary::new(model);
-    for node in outer_nodes(model) {
-        for (axis, value) in field(model.positions[node]).into_iter().enumerate() {
-            let entry = (value, "outline".to_owned());
-            boundary.prescribed.insert(2 * node + axis, entry);
-        }
-    }
-    boundary
-}
-
 /// Displacements of all nodes under the given supports and loads [m].
 pub fn displacements(model: &Model, boundary: &Boundary) -> Vec<[f64; 2]> {
     statics::solve(model, boundary, &mut Phases::default())
         .expect("a solution")
         .displacement
-}
-
-/// max|u − u_exact| / max|u_exact| over all dofs [-].
-pub fn relative_error(
-    model: &Model,
-    displacement: &[[f64; 2]],
-    exact: impl Fn([f64; 2]) -> [f64; 2],
-) -> f64 {
-    let (mut error, mut scale) = (0.0f64, 0.0f64);
-    for (u, x) in displacement.iter().zip(&model.positions) {
-        for (u, exact) in u.iter().zip(exact(*x)) {
-            error = error.max((u - exact).abs());
-            scale = scale.max(exact.abs());
-        }
-    }
-    error / scale
 }
 
 /// Asserts low ≤ value ≤ high, and says what came out otherwise.

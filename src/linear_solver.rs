@@ -3,9 +3,13 @@
 
 pub mod cholesky;
 mod compliance;
+mod elimination_tree;
 pub mod lu;
 mod metis;
+mod multifrontal;
 pub mod ordering;
+pub mod supernodes;
+mod triangular;
 
 use thiserror::Error;
 

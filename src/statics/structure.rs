@@ -36,8 +36,8 @@ impl Structure {
                 phases.measure("pattern", || Pattern::new(nodes, &model.springs, &elements));
             let order = phases.measure("ordering", || order(&pattern.graph))?;
             let symbolic = phases.measure("symbolic", || {
-                cholesky::Symbolic::with_order(pattern.symbolic(), Some(&order))
-            })?;
+                cholesky::Symbolic::with_order(pattern.symbolic(), &order)
+            });
             return Ok(Structure::Symmetric {
                 elements,
                 pattern,
@@ -53,7 +53,7 @@ impl Structure {
         let (symbolic, estimate) = phases.measure("symbolic", || {
             let symbolic = lu::Symbolic::new(pattern.symbolic(), &order)?;
             let lower = pattern.symmetrised();
-            let estimate = cholesky::Symbolic::with_order(lower.as_ref(), Some(&order))?;
+            let estimate = cholesky::Symbolic::with_order(lower.as_ref(), &order);
             Ok::<_, SolverError>((symbolic, estimate))
         })?;
         Ok(Structure::Full {
@@ -125,10 +125,8 @@ impl Structure {
 }
 
 fn order(graph: &Lists) -> Result<Vec<u32>, SolverError> {
-    let order = elimination_order(Ordering::Metis, graph);
-    let order = order.map_err(|status| SolverError::Ordering {
+    elimination_order(Ordering::Metis, graph).map_err(|status| SolverError::Ordering {
         nodes: graph.len(),
         status,
-    })?;
-    Ok(order.expect("METIS gives an order"))
+    })
 }

@@ -1,0 +1,428 @@
+//! L Lᵀ x = b over supernodes, up the elimination tree and down again.
+//!
+//! ```text
+//! up:    y = L11⁻¹ (b + Σ children),   passed up: Σ children − L21 y
+//! down:  x = L11⁻ᵀ (y − L21ᵀ x_rows)
+//! ```
+//!
+//! The time is that of reading L twice. Subtrees are shared out to the threads; what they pass up is added
+//! in the order of the tree, so that the bits do not depend on the number of threads.
+
+use super::supernodes::Supernodes;
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::{Accum, MatMut, MatRef, Par};
+use rayon::prelude::*;
+
+/// Subtrees with fewer entries of L stay with one thread.
+const LEAST_ENTRIES: usize = 500_000;
+
+/// Columns of L that go through the cache together.
+const STRIP: usize = 8;
+
+/// Overwrites `x`, `columns` vectors one after the other, by (L Lᵀ)⁻¹ x.
+pub fn solve(structure: &Supernodes, values: &[f64], x: &mut [f64], columns: usize) {
+    let n = structure.dofs();
+    let sweep = Sweep {
+        structure,
+        values,
+        k: columns,
+    };
+    let mut panels = vec![0.0; n * columns];
+    let mut work = vec![0.0; sweep.rows(0..structure.n_supernodes()).len() * columns];
+    sweep.for_each_place(|place, dof| panels[place] = x[dof]);
+    let all = Subtrees {
+        supernodes: 0..structure.n_supernodes(),
+        x: &mut panels,
+        work: &mut work,
+    };
+    let roots = structure.roots();
+    sweep.share_out(&roots, all, Sweep::up);
+    let all = Subtrees {
+        supernodes: 0..structure.n_supernodes(),
+        x: &mut panels,
+        work: &mut work,
+    };
+    sweep.share_out(&roots, all, Sweep::down);
+    sweep.for_each_place(|place, dof| x[dof] = panels[place]);
+}
+
+struct Sweep<'a> {
+    structure: &'a Supernodes,
+    values: &'a [f64],
+    /// Right-hand sides.
+    k: usize,
+}
+
+/// Neighbouring supernodes with their part of the unknowns, and of what passes between them and their
+/// parents: for each supernode its rows, one right-hand side after the other.
+struct Subtrees<'a> {
+    supernodes: std::ops::Range<usize>,
+    x: &'a mut [f64],
+    work: &'a mut [f64],
+}
+
+impl Sweep<'_> {
+    /// Where every unknown is among the panels, and in the vectors by dof.
+    fn for_each_place(&self, mut place: impl FnMut(usize, usize)) {
+        let n = self.structure.dofs();
+        for s in 0..self.structure.n_supernodes() {
+            let columns = self.structure.columns(s);
+            for column in columns.clone() {
+                let dof = self.structure.dof(column);
+                for k in 0..self.k {
+                    let panel = columns.start * self.k + k * columns.len();
+                    place(panel + column - columns.start, dof + k * n);
+                }
+            }
+        }
+    }
+
+    fn rows(&self, supernodes: std::ops::Range<usize>) -> std::ops::Range<usize> {
+        match supernodes.clone().next_back() {
+            None => 0..0,
+            Some(last) => {
+                self.structure.row_range(supernodes.start).start..self.structure.row_range(last).end
+            }
+        }
+    }
+
+    fn columns(&self, supernodes: std::ops::Range<usize>) -> std::ops::Range<usize> {
+        match supernodes.clone().next_back() {
+            None => 0..0,
+            Some(last) => {
+                self.structure.columns(supernodes.start).start..self.structure.columns(last).end
+            }
+        }
+    }
+
+    fn entries(&self, root: usize) -> usize {
+        let first = self.structure.subtree(root).start;
+        self.structure.block(root).end - self.structure.block(first).start
+    }
+
+    /// Runs all subtrees of `roots`, which `all` consists of.
+    fn share_out(&self, roots: &[usize], all: Subtrees, run: fn(&Self, usize, Subtrees)) {
+        let (mut x, mut work) = (all.x, all.work);
+        let share = |&root: &usize| {
+            let supernodes = self.structure.subtree(root);
+            let columns = self.columns(supernodes.clone()).len() * self.k;
+            let rows = self.rows(supernodes.clone()).len() * self.k;
+            let (own_x, rest) = std::mem::take(&mut x).split_at_mut(columns);
+            x = rest;
+            let (own_work, rest) = std::mem::take(&mut work).split_at_mut(rows);
+            work = rest;
+            let own = Subtrees {
+                supernodes,
+                x: own_x,
+                work: own_work,
+            };
+            (root, own)
+        };
+        let shares: Vec<(usize, Subtrees)> = roots.iter().map(share).collect();
+        shares.into_par_iter().for_each(|(root, own)| run(self, root, own));
+    }
+
+    /// The first supernode, from `root` down, whose subtree forks into several large ones or none;
+    /// `None` if the whole subtree is for one thread.
+    fn fork(&self, root: usize) -> Option<usize> {
+        let mut top = root;
+        if self.entries(root) < LEAST_ENTRIES {
+            return None;
+        }
+        loop {
+            let mut large = (self.structure.children_from_last(top))
+                .filter(|&c| self.entries(c) >= LEAST_ENTRIES);
+            match (large.next(), large.next()) {
+                (Some(only), None) => top = only,
+                (None, _) => return None,
+                _ => return Some(top),
+            }
+        }
+    }
+
+    fn up(&self, root: usize, own: Subtrees) {
+        let Subtrees {
+            supernodes,
+            x,
+            work,
+        } = own;
+        let mut front = Vec::new();
+        let Some(top) = self.fork(root) else {
+            for s in supernodes.clone() {
+                self.up_one(s, supernodes.start, x, work, &mut front);
+            }
+            return;
+        };
+        let below = self.structure.subtree(top);
+        for s in supernodes.start..below.start {
+            self.up_one(s, supernodes.start, x, work, &mut front);
+        }
+        self.fork_of(top, supernodes.start, x, work, Sweep::up);
+        for s in top..=root {
+            self.up_one(s, supernodes.start, x, work, &mut front);
+        }
+    }
+
+    fn down(&self, root: usize, own: Subtrees) {
+        let Subtrees {
+            supernodes,
+            x,
+            work,
+        } = own;
+        let mut front = Vec::new();
+        let Some(top) = self.fork(root) else {
+            for s in supernodes.clone().rev() {
+                self.down_one(s, supernodes.start, x, work, &mut front);
+            }
+            return;
+        };
+        let below = self.structure.subtree(top);
+        for s in (top..=root).rev() {
+            self.down_one(s, supernodes.start, x, work, &mut front);
+        }
+        self.fork_of(top, supernodes.start, x, work, Sweep::down);
+        for s in (supernodes.start..below.start).rev() {
+            self.down_one(s, supernodes.start, x, work, &mut front);
+        }
+    }
+
+    /// The subtrees of the children of `top`; `first` is the first supernode of `x` and `work`.
+    fn fork_of(
+        &self,
+        top: usize,
+        first: usize,
+        x: &mut [f64],
+        work: &mut [f64],
+        run: fn(&Self, usize, Subtrees),
+    ) {
+        let mut children: Vec<usize> = self.structure.children_from_last(top).collect();
+        children.reverse();
+        let supernodes = self.structure.subtree(top).start..top;
+        let columns = self.local_columns(supernodes.clone(), first);
+        let rows = self.local_rows(supernodes.clone(), first);
+        let below = Subtrees {
+            supernodes,
+            x: &mut x[columns],
+            work: &mut work[rows],
+        };
+        self.share_out(&children, below, run);
+    }
+
+    fn local_columns(
+        &self,
+        supernodes: std::ops::Range<usize>,
+        first: usize,
+    ) -> std::ops::Range<usize> {
+        let shift = self.structure.columns(first).start;
+        let columns = self.columns(supernodes);
+        (columns.start - shift) * self.k..(columns.end - shift) * self.k
+    }
+
+    fn local_rows(
+        &self,
+        supernodes: std::ops::Range<usize>,
+        first: usize,
+    ) -> std::ops::Range<usize> {
+        let shift = self.structure.row_range(first).start;
+        let rows = self.rows(supernodes);
+        (rows.start - shift) * self.k..(rows.end - shift) * self.k
+    }
+
+    fn up_one(
+        &self,
+        s: usize,
+        first: usize,
+        x: &mut [f64],
+        work: &mut [f64],
+        front: &mut Vec<f64>,
+    ) {
+        let (width, rows) = (self.structure.width(s), self.structure.rows(s).len());
+        let height = width + rows;
+        let own = self.local_columns(s..s + 1, first);
+        let passed = self.local_rows(s..s + 1, first);
+        front.clear();
+        front.resize(height * self.k, 0.0);
+        for k in 0..self.k {
+            let own = &x[own.start + k * width..][..width];
+            front[k * height..][..width].copy_from_slice(own);
+        }
+        for child in self.structure.children_from_last(s) {
+            let places = self.structure.places(child);
+            let from = &work[self.local_rows(child..child + 1, first)];
+            for k in 0..self.k {
+                let to = &mut front[k * height..][..height];
+                for (&place, value) in places.iter().zip(&from[k * places.len()..]) {
+                    to[place as usize] += value;
+                }
+            }
+        }
+        let block = &self.values[self.structure.block(s)];
+        if self.k == 1 {
+            forward(block, height, width, front);
+        } else {
+            forward_many(block, height, width, front, self.k);
+        }
+        for k in 0..self.k {
+            let front = &front[k * height..][..height];
+            x[own.start + k * width..][..width].copy_from_slice(&front[..width]);
+            work[passed.start + k * rows..][..rows].copy_from_slice(&front[width..]);
+        }
+    }
+
+    fn down_one(
+        &self,
+        s: usize,
+        first: usize,
+        x: &mut [f64],
+        work: &mut [f64],
+        front: &mut Vec<f64>,
+    ) {
+        let (width, rows) = (self.structure.width(s), self.structure.rows(s).len());
+        let height = width + rows;
+        let own = self.local_columns(s..s + 1, first);
+        let passed = self.local_rows(s..s + 1, first);
+        front.clear();
+        for k in 0..self.k {
+            front.extend_from_slice(&x[own.start + k * width..][..width]);
+            front.extend_from_slice(&work[passed.start + k * rows..][..rows]);
+        }
+        let block = &self.values[self.structure.block(s)];
+        if self.k == 1 {
+            backward(block, height, width, front);
+        } else {
+            backward_many(block, height, width, front, self.k);
+        }
+        for k in 0..self.k {
+            let front = &front[k * height..][..height];
+            x[own.start + k * width..][..width].copy_from_slice(&front[..width]);
+        }
+        for child in self.structure.children_from_last(s) {
+            let places = self.structure.places(child);
+            let to = &mut work[self.local_rows(child..child + 1, first)];
+            for k in 0..self.k {
+                let from = &front[k * height..][..height];
+                for (&place, value) in places.iter().zip(&mut to[k * places.len()..]) {
+                    *value = from[place as usize];
+                }
+            }
+        }
+    }
+}
+
+/// f ← [L11⁻¹ f_own, f_rows − L21 L11⁻¹ f_own], for a block of L column by column.
+fn forward(block: &[f64], height: usize, width: usize, f: &mut [f64]) {
+    for begin in (0..width).step_by(STRIP) {
+        let end = (begin + STRIP).min(width);
+        for j in begin..end {
+            let column = &block[j * height..][..height];
+            f[j] /= column[j];
+            let y = f[j];
+            for i in j + 1..end {
+                f[i] -= column[i] * y;
+            }
+        }
+        let (own, rest) = f.split_at_mut(end);
+        let columns = |j: usize| &block[(begin + j) * height..][end..height];
+        if end - begin == STRIP {
+            let y: [f64; STRIP] = std::array::from_fn(|j| own[begin + j]);
+            let l: [&[f64]; STRIP] = std::array::from_fn(|j| &columns(j)[..rest.len()]);
+            for (i, f) in rest.iter_mut().enumerate() {
+                let even = (l[0][i] * y[0] + l[2][i] * y[2]) + (l[4][i] * y[4] + l[6][i] * y[6]);
+                let odd = (l[1][i] * y[1] + l[3][i] * y[3]) + (l[5][i] * y[5] + l[7][i] * y[7]);
+                *f -= even + odd;
+            }
+        } else {
+            for j in 0..end - begin {
+                let y = own[begin + j];
+                for (f, l) in rest.iter_mut().zip(columns(j)) {
+                    *f -= l * y;
+                }
+            }
+        }
+    }
+}
+
+/// f_own ← L11⁻ᵀ (f_own − L21ᵀ f_rows).
+fn backward(block: &[f64], height: usize, width: usize, f: &mut [f64]) {
+    let mut end = width;
+    while end > 0 {
+        // Strips begin where they do in `forward`.
+        let begin = (end - 1) / STRIP * STRIP;
+        let (own, rest) = f.split_at_mut(end);
+        for pair in (begin..end).step_by(4) {
+            let count = (end - pair).min(4);
+            let mut sums = [0.0; 4];
+            if count == 4 {
+                let l: [&[f64]; 4] =
+                    std::array::from_fn(|j| &block[(pair + j) * height..][end..height]);
+                sums = dots(l, rest);
+            } else {
+                for (j, sum) in sums.iter_mut().enumerate().take(count) {
+                    let l = &block[(pair + j) * height..][end..height];
+                    *sum = dots([l; 4], rest)[0];
+                }
+            }
+            for j in 0..count {
+                own[pair + j] -= sums[j];
+            }
+        }
+        for j in (begin..end).rev() {
+            let column = &block[j * height..][..height];
+            let mut sum = own[j];
+            for i in j + 1..end {
+                sum -= column[i] * own[i];
+            }
+            own[j] = sum / column[j];
+        }
+        end = begin;
+    }
+}
+
+/// l · f of four columns.
+fn dots(l: [&[f64]; 4], f: &[f64]) -> [f64; 4] {
+    const LANES: usize = 4;
+    let whole = f.len() / LANES * LANES;
+    let mut lanes = [[0.0; LANES]; 4];
+    let l: [&[f64]; 4] = std::array::from_fn(|j| &l[j][..f.len()]);
+    for i in (0..whole).step_by(LANES) {
+        let f: &[f64; LANES] = f[i..i + LANES].try_into().expect("so many");
+        for j in 0..4 {
+            let l: &[f64; LANES] = l[j][i..i + LANES].try_into().expect("so many");
+            for lane in 0..LANES {
+                lanes[j][lane] += l[lane] * f[lane];
+            }
+        }
+    }
+    std::array::from_fn(|j| {
+        let rest = (whole..f.len()).map(|i| l[j][i] * f[i]).sum::<f64>();
+        (lanes[j][0] + lanes[j][1]) + (lanes[j][2] + lanes[j][3]) + rest
+    })
+}
+
+fn forward_many(block: &[f64], height: usize, width: usize, f: &mut [f64], k: usize) {
+    let l = MatRef::from_column_major_slice(block, height, width);
+    let (l11, l21) = l.split_at_row(width);
+    let f = MatMut::from_column_major_slice_mut(f, height, k);
+    let (mut own, mut rows) = f.split_at_row_mut(width);
+    solve_lower_triangular_in_place(l11, own.as_mut(), Par::Seq);
+    matmul(rows.as_mut(), Accum::Add, l21, own.as_ref(), -1.0, Par::Seq);
+}
+
+fn backward_many(block: &[f64], height: usize, width: usize, f: &mut [f64], k: usize) {
+    let l = MatRef::from_column_major_slice(block, height, width);
+    let (l11, l21) = l.split_at_row(width);
+    let f = MatMut::from_column_major_slice_mut(f, height, k);
+    let (mut own, rows) = f.split_at_row_mut(width);
+    matmul(
+        own.as_mut(),
+        Accum::Add,
+        l21.transpose(),
+        rows.as_ref(),
+        -1.0,
+        Par::Seq,
+    );
+    solve_upper_triangular_in_place(l11.transpose(), own.as_mut(), Par::Seq);
+}

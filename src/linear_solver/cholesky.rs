@@ -7,13 +7,18 @@ use super::supernodes::Supernodes;
 use super::triangular;
 use crate::assembly::{Lists, LowerMatrix};
 use faer::sparse::SymbolicSparseColMatRef;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The structure of L, from the pattern of K alone.
 #[derive(Clone, Debug)]
 pub struct Symbolic {
     structure: Arc<Supernodes>,
+    spare: Spare,
 }
+
+/// The entries of a factor that is no longer needed, for the next one: to get fresh pages takes longer
+/// than to fill them.
+type Spare = Arc<Mutex<Option<Vec<f64>>>>;
 
 impl Symbolic {
     /// # Errors
@@ -34,6 +39,7 @@ impl Symbolic {
     pub fn with_order(pattern: SymbolicSparseColMatRef<'_, u32>, order: &[u32]) -> Symbolic {
         Symbolic {
             structure: Arc::new(Supernodes::new(pattern, order)),
+            spare: Spare::default(),
         }
     }
 
@@ -54,7 +60,13 @@ impl Symbolic {
     /// # Errors
     /// [`SolverError::NotPositiveDefinite`], [`SolverError::OutOfMemory`].
     pub fn factorise(&self, matrix: &LowerMatrix) -> Result<Factor, SolverError> {
-        let mut values = vec![0.0; self.factor_entries()];
+        let spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let mut values = match spare {
+            Some(values) => values,
+            None => zeros(self.factor_entries()).ok_or_else(|| SolverError::OutOfMemory {
+                dofs: matrix.ncols(),
+            })?,
+        };
         multifrontal::factorise(&self.structure, matrix.val(), &mut values).map_err(
             |NotPositive(column)| SolverError::NotPositiveDefinite {
                 dof: self.structure.dof(column),
@@ -63,8 +75,17 @@ impl Symbolic {
         Ok(Factor {
             structure: self.structure.clone(),
             values,
+            spare: self.spare.clone(),
         })
     }
+}
+
+/// Zeros in pages that the system has yet to give; `None` where it has no room.
+fn zeros(count: usize) -> Option<Vec<f64>> {
+    let mut room = Vec::<f64>::new();
+    room.try_reserve_exact(count).ok()?;
+    drop(room);
+    Some(vec![0.0; count])
 }
 
 /// L.
@@ -72,6 +93,14 @@ impl Symbolic {
 pub struct Factor {
     structure: Arc<Supernodes>,
     values: Vec<f64>,
+    spare: Spare,
+}
+
+impl Drop for Factor {
+    fn drop(&mut self) {
+        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        *spare = Some(std::mem::take(&mut self.values));
+    }
 }
 
 impl Factor {

@@ -20,6 +20,8 @@ use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, Par};
 use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 /// Subtrees with less than this share of all work, or less work than this, stay with one thread.
 const SHARE: f64 = 1.0 / 64.0;
@@ -51,6 +53,7 @@ pub fn factorise(
         structure,
         matrix,
         least: LEAST_WORK.max(SHARE * total),
+        pool: Pool::default(),
     };
     numeric.subtrees(&roots, values).map(|_| ())
 }
@@ -60,6 +63,7 @@ struct Numeric<'a> {
     matrix: &'a [f64],
     /// Work of the smallest subtree that is looked into for more tasks.
     least: f64,
+    pool: Pool,
 }
 
 /// U of a supernode, column by column; the lower triangle is meant.
@@ -68,11 +72,30 @@ struct Update {
     values: Vec<f64>,
 }
 
-/// What a thread keeps from one front to the next.
-struct Scratch {
-    /// Updates that wait for their parents, in order.
-    stack: Vec<f64>,
-    dense: MemBuffer,
+/// Memory of updates that are no longer needed, for others: fresh pages cost as much as the sums in them.
+#[derive(Default)]
+struct Pool(Mutex<Vec<Vec<f64>>>);
+
+impl Pool {
+    /// So many numbers, whichever they are.
+    fn take(&self, length: usize) -> Vec<f64> {
+        let mut free = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let fitting = free.iter().position(|vector| vector.capacity() >= length);
+        let found = fitting.map(|k| free.swap_remove(k));
+        drop(free);
+        let mut vector = found.unwrap_or_default();
+        if vector.capacity() < length {
+            return vec![0.0; length];
+        }
+        vector.resize(length, 0.0);
+        vector
+    }
+
+    fn give(&self, vector: Vec<f64>) {
+        let mut free = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let at = free.partition_point(|other| other.capacity() < vector.capacity());
+        free.insert(at, vector);
+    }
 }
 
 impl Numeric<'_> {
@@ -102,7 +125,7 @@ impl Numeric<'_> {
             return self.sequential(root, values);
         }
         // Down to where the tree forks, so that calls do not nest as deep as the tree.
-        let mut chain = Vec::new();
+        let mut chain: Vec<(usize, &mut [f64], Vec<Update>, Vec<Update>)> = Vec::new();
         let (mut top, mut values) = (root, values);
         loop {
             let children = self.structure.children(top);
@@ -110,13 +133,12 @@ impl Numeric<'_> {
             let (subtrees, block) = values.split_at_mut(below);
             let large = |&c: &usize| self.structure.subtree_flops(c) >= self.least;
             if children.iter().filter(|c| large(c)).count() != 1 {
-                let mut updates = self.subtrees(&children, subtrees)?;
-                let mut update = self.front(top, block, &updates)?;
-                while let Some((s, block, mut before, after)) = chain.pop() {
-                    updates = std::mem::take(&mut before);
+                let updates = self.subtrees(&children, subtrees)?;
+                let mut update = self.front(top, block, updates)?;
+                while let Some((s, block, mut updates, after)) = chain.pop() {
                     updates.push(update);
                     updates.extend(after);
-                    update = self.front(s, block, &updates)?;
+                    update = self.front(s, block, updates)?;
                 }
                 return Ok(update);
             }
@@ -135,22 +157,20 @@ impl Numeric<'_> {
         }
     }
 
-    fn scratch(&self, columns: usize) -> Scratch {
-        let dense = cholesky_in_place_scratch::<f64>(columns, Par::Seq, Default::default());
-        Scratch {
-            stack: Vec::new(),
-            dense: MemBuffer::new(dense),
-        }
+    fn dense(&self, columns: usize) -> MemBuffer {
+        let scratch = cholesky_in_place_scratch::<f64>(columns, Par::Seq, Default::default());
+        MemBuffer::new(scratch)
     }
 
-    fn front(&self, s: usize, block: &mut [f64], children: &[Update]) -> Result<Update, NotPositive> {
+    fn front(&self, s: usize, block: &mut [f64], children: Vec<Update>) -> Result<Update, NotPositive> {
         let rows = self.structure.rows(s).len();
-        let mut update = vec![0.0; rows * rows];
-        let children: Vec<(usize, &[f64])> = (children.iter())
+        let mut update = self.pool.take(rows * rows);
+        let updates: Vec<(usize, &[f64])> = (children.iter())
             .map(|child| (child.supernode, child.values.as_slice()))
             .collect();
-        let mut scratch = self.scratch(self.structure.width(s));
-        self.eliminate(s, block, &children, &mut update, &mut scratch.dense)?;
+        let mut dense = self.dense(self.structure.width(s));
+        self.eliminate(s, block, &updates, &mut update, &mut dense)?;
+        children.into_iter().for_each(|child| self.pool.give(child.values));
         Ok(Update {
             supernode: s,
             values: update,
@@ -161,40 +181,39 @@ impl Numeric<'_> {
     fn sequential(&self, root: usize, values: &mut [f64]) -> Result<Update, NotPositive> {
         let structure = self.structure;
         let subtree = structure.subtree(root);
+        let first = subtree.start;
         let widest = subtree.clone().map(|s| structure.width(s)).max();
-        let mut scratch = self.scratch(widest.unwrap_or(0));
-        let mut waiting: Vec<(usize, usize)> = Vec::new();
-        let (mut top, mut rest) = (0, values);
+        let mut dense = self.dense(widest.unwrap_or(0));
+        let Stacks { level, size } = Stacks::of(structure, subtree.clone());
+        // Of supernodes an even, and an odd number of levels below the root: one is read, one is written.
+        let mut stacks = size.map(|size| self.pool.take(size));
+        let mut top = [0, 0];
+        let mut rest = values;
         for s in subtree {
             let (block, after) = std::mem::take(&mut rest).split_at_mut(structure.block(s).len());
             rest = after;
             let rows = structure.rows(s).len();
-            let children = waiting.iter().rev();
-            let children = children.take_while(|&&(c, _)| structure.parent(c) == Some(s));
-            let first = waiting.len() - children.count();
-            if scratch.stack.len() < top + rows * rows {
-                scratch.stack.resize(top + rows * rows, 0.0);
+            let own = level[s - first] % 2;
+            let [even, odd] = &mut stacks;
+            let (write, read) = if own == 0 { (even, odd) } else { (odd, even) };
+            let mut end = top[1 - own];
+            let mut children: Vec<(usize, &[f64])> = Vec::new();
+            for child in structure.children_from_last(s) {
+                let begin = end - structure.rows(child).len().pow(2);
+                children.push((child, &read[begin..end]));
+                end = begin;
             }
-            let (below, above) = scratch.stack.split_at_mut(top);
-            let children: Vec<(usize, &[f64])> = (waiting[first..].iter())
-                .map(|&(c, at)| (c, &below[at..at + structure.rows(c).len().pow(2)]))
-                .collect();
-            self.eliminate(s, block, &children, &mut above[..rows * rows], &mut scratch.dense)?;
-            let at = waiting.get(first).map_or(top, |&(_, at)| at);
-            waiting.truncate(first);
-            waiting.push((s, at));
-            if at < top {
-                for j in 0..rows {
-                    let column = j * rows + j..(j + 1) * rows;
-                    scratch.stack.copy_within(top + column.start..top + column.end, at + column.start);
-                }
-            }
-            top = at + rows * rows;
+            let update = &mut write[top[own]..][..rows * rows];
+            self.eliminate(s, block, &children, update, &mut dense)?;
+            top[own] += rows * rows;
+            top[1 - own] = end;
         }
-        scratch.stack.truncate(top);
+        let [mut update, odd] = stacks;
+        self.pool.give(odd);
+        update.truncate(top[0]);
         Ok(Update {
             supernode: root,
-            values: scratch.stack,
+            values: update,
         })
     }
 
@@ -301,6 +320,35 @@ impl Numeric<'_> {
     }
 }
 
+/// Room for the updates of a subtree.
+struct Stacks {
+    /// By supernode: levels below the root.
+    level: Vec<usize>,
+    /// Numbers that wait at most on even and on odd levels.
+    size: [usize; 2],
+}
+
+impl Stacks {
+    fn of(structure: &Supernodes, subtree: Range<usize>) -> Stacks {
+        let first = subtree.start;
+        let mut level = vec![0; subtree.len()];
+        for s in subtree.clone().rev().skip(1) {
+            let parent = structure.parent(s).expect("only the root has none");
+            level[s - first] = level[parent - first] + 1;
+        }
+        let (mut top, mut size) = ([0, 0], [0, 0]);
+        for s in subtree {
+            let own = level[s - first] % 2;
+            top[own] += structure.rows(s).len().pow(2);
+            size[own] = size[own].max(top[own]);
+            for child in structure.children_from_last(s) {
+                top[1 - own] -= structure.rows(child).len().pow(2);
+            }
+        }
+        Stacks { level, size }
+    }
+}
+
 /// Rows of a child that are next to each other in its parent.
 struct Runs {
     /// Row of the child, row of the parent's front, length.
@@ -345,7 +393,7 @@ impl Runs {
         child: &[f64],
         target: &mut [f64],
         height: usize,
-        columns: std::ops::Range<usize>,
+        columns: Range<usize>,
     ) {
         let shift = columns.start;
         for (k, &[row, place, length]) in self.runs.iter().enumerate() {

@@ -15,11 +15,8 @@ use std::ops::Range;
 /// reach half of it. Seconds to add an entry of an update to the parent's, to stream an entry of L through a
 /// solution, and to begin with a supernode. Measured on one thread; they decide what is merged, and
 /// results change in the last bits with them.
-const RATE: f64 = 9e10;
-const HALF_WIDTH: f64 = 40.0;
-const ENTRY: f64 = 1.0e-9;
-const STREAM: f64 = 1.0e-9;
-const BEGIN: f64 = 2e-6;
+fn par(name: &str, default: f64) -> f64 { std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default) }
+static PARAMS: std::sync::LazyLock<[f64; 5]> = std::sync::LazyLock::new(|| [par("RATE", 5e10), par("HALF", 8.0), par("ENTRY", 0.8e-9), par("STREAM", 1.5e-9), par("BEGIN", 1e-6)]);
 
 #[derive(Debug)]
 pub struct Supernodes {
@@ -288,6 +285,7 @@ fn flops(w: f64, r: f64) -> f64 {
 /// Seconds that a supernode of so many nodes is expected to take.
 fn cost(width: u32, below: u32) -> f64 {
     let (w, r) = (2.0 * f64::from(width), 2.0 * f64::from(below));
+    let [RATE, HALF_WIDTH, ENTRY, STREAM, BEGIN] = *PARAMS;
     flops(w, r) / RATE * (1.0 + HALF_WIDTH / w)
         + ENTRY * r * r / 2.0
         + STREAM * w * (w / 2.0 + r)

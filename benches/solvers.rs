@@ -37,11 +37,18 @@ fn main() {
     if let [_, child, side, threads, ..] = arguments.as_slice()
         && child == "--ours"
     {
-        ours(side.parse().expect("a side"), threads.parse().expect("threads"));
+        ours(
+            side.parse().expect("a side"),
+            threads.parse().expect("threads"),
+        );
         return;
     }
     let sides: Vec<usize> = arguments.iter().filter_map(|a| a.parse().ok()).collect();
-    let sides = if sides.is_empty() { vec![100, 200, 400] } else { sides };
+    let sides = if sides.is_empty() {
+        vec![100, 200, 400]
+    } else {
+        sides
+    };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("solvers");
     std::fs::create_dir_all(&folder).expect("a folder for the matrices");
     let rivals = rivals(&folder);
@@ -83,14 +90,19 @@ fn rivals(folder: &Path) -> Vec<Rival> {
             "CHOLMOD",
             &["-I/usr/include/suitesparse", "-lcholmod", "-lm"],
         ),
-        compiled("MUMPS", &["-I/usr/include/mumps_seq", "-ldmumps_seq", "-lm"]),
+        compiled(
+            "MUMPS",
+            &["-I/usr/include/mumps_seq", "-ldmumps_seq", "-lm"],
+        ),
         pardiso.ok_or("PARDISO"),
     ];
     let mut found = Vec::new();
     for rival in all {
         match rival {
             Ok(rival) => found.push(rival),
-            Err(name) => println!("{name} is left out: not installed (`make bench-solvers` does that)"),
+            Err(name) => {
+                println!("{name} is left out: not installed (`make bench-solvers` does that)")
+            }
         }
     }
     found
@@ -112,7 +124,10 @@ impl Record {
             let number = |k: usize| words.get(k).and_then(|w| w.parse::<f64>().ok());
             match (words.first(), number(1), number(2)) {
                 (Some(&name), Some(wall), Some(cpu)) => {
-                    self.times.entry(name.to_owned()).or_default().push([wall, cpu]);
+                    self.times
+                        .entry(name.to_owned())
+                        .or_default()
+                        .push([wall, cpu]);
                 }
                 (Some(&"residual"), Some(residual), _) => {
                     self.residual = self.residual.max(residual);
@@ -134,7 +149,10 @@ impl Record {
 fn compare(side: usize, rivals: &[Rival], folder: &Path) {
     let file = folder.join(format!("lattice_{side}.bin"));
     write(&lattice(side).1, &file);
-    println!("\nlattice of {side} × {side} points, m = 4: {} dofs", 2 * side * side);
+    println!(
+        "\nlattice of {side} × {side} points, m = 4: {} dofs",
+        2 * side * side
+    );
     for threads in [1, 2] {
         let mut records: BTreeMap<usize, Record> = BTreeMap::new();
         for _ in 0..ROUNDS {
@@ -148,7 +166,10 @@ fn compare(side: usize, rivals: &[Rival], folder: &Path) {
                 for variable in ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"] {
                     command.env(variable, threads.to_string());
                 }
-                records.entry(k + 1).or_default().read(&run(command, rival.name));
+                records
+                    .entry(k + 1)
+                    .or_default()
+                    .read(&run(command, rival.name));
             }
         }
         table(threads, rivals, &records);
@@ -161,7 +182,10 @@ fn run(mut command: Command, name: &str) -> String {
     match command.output() {
         Ok(output) if output.status.success() => String::from_utf8_lossy(&output.stdout).into(),
         Ok(output) => {
-            println!("{name} failed: {}", String::from_utf8_lossy(&output.stderr).trim());
+            println!(
+                "{name} failed: {}",
+                String::from_utf8_lossy(&output.stderr).trim()
+            );
             String::new()
         }
         Err(error) => {
@@ -176,15 +200,24 @@ fn table(threads: usize, rivals: &[Rival], records: &BTreeMap<usize, Record>) {
     println!("\n{threads} thread(s), {clock} time [s]");
     println!("| | analysis | numeric | solution | 8 solutions | entries of L | residual |");
     println!("| --- | --- | --- | --- | --- | --- | --- |");
-    let names = ["peristitch"].into_iter().chain(rivals.iter().map(|r| r.name));
+    let names = ["peristitch"]
+        .into_iter()
+        .chain(rivals.iter().map(|r| r.name));
     for (record, name) in records.values().zip(names) {
         let times = PHASES.map(|phase| format!("{:.4}", record.median(phase, threads)));
         let [entries, residual] = [record.entries, record.residual].map(|x| format!("{x:.1e}"));
-        println!("| {name} | {} | {entries} | {residual} |", times.join(" | "));
+        println!(
+            "| {name} | {} | {entries} | {residual} |",
+            times.join(" | ")
+        );
     }
     let ratio = |phase: &&str| {
         let of = |record: &Record| record.median(phase, threads);
-        let best = records.values().skip(1).map(of).fold(f64::INFINITY, f64::min);
+        let best = records
+            .values()
+            .skip(1)
+            .map(of)
+            .fold(f64::INFINITY, f64::min);
         format!("{:.2}", of(&records[&0]) / best)
     };
     let ratios: Vec<String> = PHASES.iter().map(ratio).collect();
@@ -229,7 +262,11 @@ fn write(matrix: &faer::sparse::SparseColMat<u32, f64>, path: &Path) {
     let mut put = |bytes: &[u8]| file.write_all(bytes).expect("room for the matrix");
     put(&(matrix.ncols() as i64).to_le_bytes());
     put(&(matrix.val().len() as i64).to_le_bytes());
-    let integers = matrix.symbolic().col_ptr().iter().chain(matrix.symbolic().row_idx());
+    let integers = matrix
+        .symbolic()
+        .col_ptr()
+        .iter()
+        .chain(matrix.symbolic().row_idx());
     integers.for_each(|&i| put(&(i as i32).to_le_bytes()));
     matrix.val().iter().for_each(|v| put(&v.to_le_bytes()));
 }
@@ -246,17 +283,25 @@ fn ours(side: usize, threads: usize) {
     let analyse =
         || Symbolic::new(pattern.symbolic(), &pattern.graph, Ordering::Metis).expect("METIS works");
     let symbolic = measure("analysis", 1, || (), |()| analyse());
-    let factor = measure("numeric", RUNS, || (), |()| {
-        symbolic.factorise(&matrix).expect("positive definite")
-    });
+    let factor = measure(
+        "numeric",
+        RUNS,
+        || (),
+        |()| symbolic.factorise(&matrix).expect("positive definite"),
+    );
     let load = |k: usize| 1.0 + ((k % n * 7 + k / n) % 13) as f64;
     let stiffness = Stiffness::Symmetric(matrix.clone());
     for (name, columns) in [("solve", 1), ("solve8", MANY)] {
         let b: Vec<f64> = (0..n * columns).map(load).collect();
-        let x = measure(name, RUNS, || b.clone(), |mut x| {
-            factor.solve_many_in_place(&mut x, columns);
-            x
-        });
+        let x = measure(
+            name,
+            RUNS,
+            || b.clone(),
+            |mut x| {
+                factor.solve_many_in_place(&mut x, columns);
+                x
+            },
+        );
         let rest = |(x, b): (&[f64], &[f64])| {
             let force = stiffness.multiply(x);
             let squares = force.iter().zip(b).map(|(f, b)| (f - b).powi(2));
@@ -297,9 +342,8 @@ fn measure<S, T>(
     result.expect("it ran")
 }
 
-/// Of this thread [s], which is the only one in a pool of one.
+/// Of this process [s].
 fn processor_time() -> f64 {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let nanoseconds = text.split_whitespace().next().and_then(|t| t.parse::<f64>().ok());
-    nanoseconds.map_or(f64::NAN, |t| 1e-9 * t)
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }

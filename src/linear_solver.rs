@@ -4,6 +4,7 @@
 pub mod cholesky;
 mod compliance;
 mod elimination_tree;
+mod kernels;
 pub mod lu;
 mod metis;
 mod multifrontal;

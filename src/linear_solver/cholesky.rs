@@ -1,7 +1,7 @@
 //! Sparse Cholesky factorisation K = L Lᵀ: symbolic once, numeric as often as K changes.
 
 use super::SolverError;
-use super::multifrontal::{self, NotPositive};
+use super::multifrontal::{self, NotPositive, Pool};
 use super::ordering::{Ordering, elimination_order};
 use super::supernodes::Supernodes;
 use super::triangular;
@@ -14,6 +14,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct Symbolic {
     structure: Arc<Supernodes>,
     spare: Spare,
+    pool: Arc<Pool>,
 }
 
 /// The entries of a factor that is no longer needed, for the next one: to get fresh pages takes longer
@@ -40,6 +41,7 @@ impl Symbolic {
         Symbolic {
             structure: Arc::new(Supernodes::new(pattern, order)),
             spare: Spare::default(),
+            pool: Arc::default(),
         }
     }
 
@@ -60,14 +62,18 @@ impl Symbolic {
     /// # Errors
     /// [`SolverError::NotPositiveDefinite`], [`SolverError::OutOfMemory`].
     pub fn factorise(&self, matrix: &LowerMatrix) -> Result<Factor, SolverError> {
-        let spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let spare = self
+            .spare
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take();
         let mut values = match spare {
             Some(values) => values,
             None => zeros(self.factor_entries()).ok_or_else(|| SolverError::OutOfMemory {
                 dofs: matrix.ncols(),
             })?,
         };
-        multifrontal::factorise(&self.structure, matrix.val(), &mut values).map_err(
+        multifrontal::factorise(&self.structure, matrix.val(), &mut values, &self.pool).map_err(
             |NotPositive(column)| SolverError::NotPositiveDefinite {
                 dof: self.structure.dof(column),
             },

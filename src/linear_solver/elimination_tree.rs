@@ -14,7 +14,12 @@ pub const NONE: u32 = u32::MAX;
 pub fn parents(below: &Lists) -> Vec<u32> {
     let n = below.len();
     let before = Lists::collect(n, || {
-        (0..n as u32).flat_map(|column| below.of(column as usize).iter().map(move |&row| (row, column)))
+        (0..n as u32).flat_map(|column| {
+            below
+                .of(column as usize)
+                .iter()
+                .map(move |&row| (row, column))
+        })
     });
     let mut parent = vec![NONE; n];
     let mut ancestor = vec![NONE; n];
@@ -166,7 +171,10 @@ mod tests {
                     let (a, b) = (k % side, (k + step) % side);
                     k + step < side * side && a.abs_diff(b) <= 2
                 };
-                steps.into_iter().filter(inside).map(move |step| (k, k + step))
+                steps
+                    .into_iter()
+                    .filter(inside)
+                    .map(move |step| (k, k + step))
             })
         };
         let order = |k: u32| (k * 20) % n as u32;

@@ -11,11 +11,10 @@
 //! the threads, and large blocks near the root are cut. Both follow from the structure alone, and children
 //! are added in their order: the bits do not depend on the number of threads.
 
+use super::kernels::Added;
 use super::supernodes::Supernodes;
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{
-    LltError, cholesky_in_place, cholesky_in_place_scratch,
-};
+use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, Par};
@@ -46,6 +45,7 @@ pub fn factorise(
     structure: &Supernodes,
     matrix: &[f64],
     values: &mut [f64],
+    pool: &Pool,
 ) -> Result<(), NotPositive> {
     let roots = structure.roots();
     let total: f64 = roots.iter().map(|&s| structure.subtree_flops(s)).sum();
@@ -53,7 +53,7 @@ pub fn factorise(
         structure,
         matrix,
         least: LEAST_WORK.max(SHARE * total),
-        pool: Pool::default(),
+        pool,
     };
     numeric.subtrees(&roots, values).map(|_| ())
 }
@@ -63,7 +63,7 @@ struct Numeric<'a> {
     matrix: &'a [f64],
     /// Work of the smallest subtree that is looked into for more tasks.
     least: f64,
-    pool: Pool,
+    pool: &'a Pool,
 }
 
 /// U of a supernode, column by column; the lower triangle is meant.
@@ -73,8 +73,8 @@ struct Update {
 }
 
 /// Memory of updates that are no longer needed, for others: fresh pages cost as much as the sums in them.
-#[derive(Default)]
-struct Pool(Mutex<Vec<Vec<f64>>>);
+#[derive(Debug, Default)]
+pub struct Pool(Mutex<Vec<Vec<f64>>>);
 
 impl Pool {
     /// So many numbers, whichever they are.
@@ -112,7 +112,8 @@ impl Numeric<'_> {
     fn split<'v>(&self, roots: &[usize], mut values: &'v mut [f64]) -> Vec<(usize, &'v mut [f64])> {
         let share = |&root: &usize| {
             let subtree = self.structure.subtree(root);
-            let entries = self.structure.block(root).end - self.structure.block(subtree.start).start;
+            let entries =
+                self.structure.block(root).end - self.structure.block(subtree.start).start;
             let (own, rest) = std::mem::take(&mut values).split_at_mut(entries);
             values = rest;
             (root, own)
@@ -142,7 +143,10 @@ impl Numeric<'_> {
                 }
                 return Ok(update);
             }
-            let at = children.iter().position(|c| large(c)).expect("there is one");
+            let at = children
+                .iter()
+                .position(|c| large(c))
+                .expect("there is one");
             let mut parts = self.split(&children, subtrees);
             let after = parts.split_off(at + 1);
             let (next, part) = parts.pop().expect("there is one");
@@ -162,7 +166,12 @@ impl Numeric<'_> {
         MemBuffer::new(scratch)
     }
 
-    fn front(&self, s: usize, block: &mut [f64], children: Vec<Update>) -> Result<Update, NotPositive> {
+    fn front(
+        &self,
+        s: usize,
+        block: &mut [f64],
+        children: Vec<Update>,
+    ) -> Result<Update, NotPositive> {
         let rows = self.structure.rows(s).len();
         let mut update = self.pool.take(rows * rows);
         let updates: Vec<(usize, &[f64])> = (children.iter())
@@ -170,7 +179,9 @@ impl Numeric<'_> {
             .collect();
         let mut dense = self.dense(self.structure.width(s));
         self.eliminate(s, block, &updates, &mut update, &mut dense)?;
-        children.into_iter().for_each(|child| self.pool.give(child.values));
+        children
+            .into_iter()
+            .for_each(|child| self.pool.give(child.values));
         Ok(Update {
             supernode: s,
             values: update,
@@ -289,7 +300,9 @@ impl Numeric<'_> {
     fn diagonal(&self, s: usize, column: usize) -> f64 {
         let first = self.structure.columns(s).start + column - column % 2;
         let sources = self.structure.sources(first);
-        let own = sources.iter().find(|source| source.row as usize == column - column % 2);
+        let own = sources
+            .iter()
+            .find(|source| source.row as usize == column - column % 2);
         own.map_or(0.0, |own| self.matrix[own.columns[column % 2] as usize])
     }
 
@@ -388,32 +401,16 @@ impl Runs {
         self.add(child, update, rows, self.width..usize::MAX);
     }
 
-    fn add(
-        &self,
-        child: &[f64],
-        target: &mut [f64],
-        height: usize,
-        columns: Range<usize>,
-    ) {
-        let shift = columns.start;
-        for (k, &[row, place, length]) in self.runs.iter().enumerate() {
-            if !columns.contains(&place) {
-                continue;
-            }
-            for j in 0..length {
-                let from = &child[(row + j) * self.rows..][..self.rows];
-                let to = &mut target[(place - shift + j) * height..][..height];
-                add_slice(&mut to[place - shift + j..], &from[row + j..row + length]);
-                for &[row, place, length] in &self.runs[k + 1..] {
-                    add_slice(&mut to[place - shift..], &from[row..row + length]);
-                }
-            }
+    fn add(&self, update: &[f64], front: &mut [f64], height: usize, columns: Range<usize>) {
+        Added {
+            runs: &self.runs,
+            update,
+            rows: self.rows,
+            front,
+            height,
+            first: columns.start,
+            end: columns.end,
         }
-    }
-}
-
-fn add_slice(to: &mut [f64], from: &[f64]) {
-    for (to, from) in to.iter_mut().zip(from) {
-        *to += from;
+        .add();
     }
 }

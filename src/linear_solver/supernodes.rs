@@ -15,8 +15,11 @@ use std::ops::Range;
 /// reach half of it. Seconds to add an entry of an update to the parent's, to stream an entry of L through a
 /// solution, and to begin with a supernode. Measured on one thread; they decide what is merged, and
 /// results change in the last bits with them.
-fn par(name: &str, default: f64) -> f64 { std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default) }
-static PARAMS: std::sync::LazyLock<[f64; 5]> = std::sync::LazyLock::new(|| [par("RATE", 5e10), par("HALF", 8.0), par("ENTRY", 0.8e-9), par("STREAM", 1.5e-9), par("BEGIN", 1e-6)]);
+const RATE: f64 = 5e10;
+const HALF_WIDTH: f64 = 8.0;
+const ENTRY: f64 = 0.6e-9;
+const STREAM: f64 = 3e-9;
+const BEGIN: f64 = 1e-6;
 
 #[derive(Debug)]
 pub struct Supernodes {
@@ -219,7 +222,9 @@ impl Supernodes {
         let mut row_of = vec![0; 2 * n];
         for s in 0..self.n_supernodes() {
             let columns = self.columns(s);
-            let own = columns.clone().chain(self.rows(s).iter().map(|&r| r as usize));
+            let own = columns
+                .clone()
+                .chain(self.rows(s).iter().map(|&r| r as usize));
             own.zip(0..).for_each(|(row, k)| row_of[row] = k);
             for source in &mut sources[start[columns.start / 2]..start[columns.end / 2]] {
                 source.row = row_of[source.row as usize];
@@ -247,10 +252,7 @@ fn for_each_block(
 }
 
 /// Neighbours of a node with a larger number.
-fn upper(
-    pattern: SymbolicSparseColMatRef<'_, u32>,
-    node: usize,
-) -> impl Iterator<Item = u32> + '_ {
+fn upper(pattern: SymbolicSparseColMatRef<'_, u32>, node: usize) -> impl Iterator<Item = u32> + '_ {
     let rows = &pattern.row_idx()[pattern.col_range(2 * node)];
     rows[2..].iter().step_by(2).map(|row| row / 2)
 }
@@ -285,7 +287,6 @@ fn flops(w: f64, r: f64) -> f64 {
 /// Seconds that a supernode of so many nodes is expected to take.
 fn cost(width: u32, below: u32) -> f64 {
     let (w, r) = (2.0 * f64::from(width), 2.0 * f64::from(below));
-    let [RATE, HALF_WIDTH, ENTRY, STREAM, BEGIN] = *PARAMS;
     flops(w, r) / RATE * (1.0 + HALF_WIDTH / w)
         + ENTRY * r * r / 2.0
         + STREAM * w * (w / 2.0 + r)
@@ -355,7 +356,8 @@ impl Tree {
             let mut kept = Vec::with_capacity(candidates.len());
             for c in candidates {
                 let child = c as usize;
-                let apart = cost(self.width[child], self.below[child]) + cost(self.width[p], self.below[p]);
+                let apart =
+                    cost(self.width[child], self.below[child]) + cost(self.width[p], self.below[p]);
                 let width = self.width[child] + self.width[p];
                 if cost(width, self.below[p]) > apart {
                     kept.push(c);
@@ -379,9 +381,13 @@ impl Tree {
 
     /// Renumbered, postordered.
     fn without(mut self, gone: &[bool]) -> Tree {
-        let kept: Vec<u32> = (0..gone.len() as u32).filter(|&s| !gone[s as usize]).collect();
+        let kept: Vec<u32> = (0..gone.len() as u32)
+            .filter(|&s| !gone[s as usize])
+            .collect();
         let mut number = vec![NONE; gone.len()];
-        kept.iter().zip(0..).for_each(|(&s, k)| number[s as usize] = k);
+        kept.iter()
+            .zip(0..)
+            .for_each(|(&s, k)| number[s as usize] = k);
         let up = |s: u32| match self.parent[s as usize] {
             NONE => NONE,
             parent => number[parent as usize],
@@ -398,7 +404,10 @@ impl Tree {
             parent: post.iter().map(|&k| up(k)).collect(),
             width: post.iter().map(|k| self.width[old(k)]).collect(),
             below: post.iter().map(|k| self.below[old(k)]).collect(),
-            columns: post.iter().map(|k| std::mem::take(&mut self.columns[old(k)])).collect(),
+            columns: post
+                .iter()
+                .map(|k| std::mem::take(&mut self.columns[old(k)]))
+                .collect(),
         }
     }
 
@@ -408,7 +417,7 @@ impl Tree {
         let mut old_position = Vec::with_capacity(order.len());
         let mut first_column = vec![0];
         for columns in &mut self.columns {
-            columns.sort_by_key(|range| range.start);
+            columns.sort_unstable_by_key(|range| range.start);
             for k in columns.iter().cloned().flatten() {
                 old_position.push(k);
                 final_order.push(order[k as usize]);
@@ -435,11 +444,17 @@ impl Tree {
             };
             for column in own.clone() {
                 let old = old_position[column as usize] as usize;
-                below.of(old).iter().for_each(|&k| add(new_position[k as usize]));
+                below
+                    .of(old)
+                    .iter()
+                    .for_each(|&k| add(new_position[k as usize]));
             }
             for &child in &children[s] {
                 let range = row_start[child as usize]..row_start[child as usize + 1];
-                rows[range].iter().step_by(2).for_each(|&row: &u32| add(row / 2));
+                rows[range]
+                    .iter()
+                    .step_by(2)
+                    .for_each(|&row: &u32| add(row / 2));
             }
             found.sort_unstable();
             debug_assert_eq!(found.len(), self.below[s] as usize);

@@ -8,19 +8,12 @@
 //! The time is that of reading L twice. Subtrees are shared out to the threads; what they pass up is added
 //! in the order of the tree, so that the bits do not depend on the number of threads.
 
+use super::kernels::Block;
 use super::supernodes::Supernodes;
-use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
-};
-use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
 /// Subtrees with fewer entries of L stay with one thread.
 const LEAST_ENTRIES: usize = 500_000;
-
-/// Columns of L that go through the cache together.
-const STRIP: usize = 8;
 
 /// Overwrites `x`, `columns` vectors one after the other, by (L Lᵀ)⁻¹ x.
 pub fn solve(structure: &Supernodes, values: &[f64], x: &mut [f64], columns: usize) {
@@ -98,6 +91,15 @@ impl Sweep<'_> {
         }
     }
 
+    fn block(&self, s: usize) -> Block<'_> {
+        let (width, rows) = (self.structure.width(s), self.structure.rows(s).len());
+        Block {
+            values: &self.values[self.structure.block(s)],
+            width,
+            height: width + rows,
+        }
+    }
+
     fn entries(&self, root: usize) -> usize {
         let first = self.structure.subtree(root).start;
         self.structure.block(root).end - self.structure.block(first).start
@@ -122,7 +124,9 @@ impl Sweep<'_> {
             (root, own)
         };
         let shares: Vec<(usize, Subtrees)> = roots.iter().map(share).collect();
-        shares.into_par_iter().for_each(|(root, own)| run(self, root, own));
+        shares
+            .into_par_iter()
+            .for_each(|(root, own)| run(self, root, own));
     }
 
     /// The first supernode, from `root` down, whose subtree forks into several large ones or none;
@@ -259,12 +263,7 @@ impl Sweep<'_> {
                 }
             }
         }
-        let block = &self.values[self.structure.block(s)];
-        if self.k == 1 {
-            forward(block, height, width, front);
-        } else {
-            forward_many(block, height, width, front, self.k);
-        }
+        self.block(s).forward(front);
         for k in 0..self.k {
             let front = &front[k * height..][..height];
             x[own.start + k * width..][..width].copy_from_slice(&front[..width]);
@@ -289,12 +288,7 @@ impl Sweep<'_> {
             front.extend_from_slice(&x[own.start + k * width..][..width]);
             front.extend_from_slice(&work[passed.start + k * rows..][..rows]);
         }
-        let block = &self.values[self.structure.block(s)];
-        if self.k == 1 {
-            backward(block, height, width, front);
-        } else {
-            backward_many(block, height, width, front, self.k);
-        }
+        self.block(s).backward(front);
         for k in 0..self.k {
             let front = &front[k * height..][..height];
             x[own.start + k * width..][..width].copy_from_slice(&front[..width]);
@@ -310,119 +304,4 @@ impl Sweep<'_> {
             }
         }
     }
-}
-
-/// f ← [L11⁻¹ f_own, f_rows − L21 L11⁻¹ f_own], for a block of L column by column.
-fn forward(block: &[f64], height: usize, width: usize, f: &mut [f64]) {
-    for begin in (0..width).step_by(STRIP) {
-        let end = (begin + STRIP).min(width);
-        for j in begin..end {
-            let column = &block[j * height..][..height];
-            f[j] /= column[j];
-            let y = f[j];
-            for i in j + 1..end {
-                f[i] -= column[i] * y;
-            }
-        }
-        let (own, rest) = f.split_at_mut(end);
-        let columns = |j: usize| &block[(begin + j) * height..][end..height];
-        if end - begin == STRIP {
-            let y: [f64; STRIP] = std::array::from_fn(|j| own[begin + j]);
-            let l: [&[f64]; STRIP] = std::array::from_fn(|j| &columns(j)[..rest.len()]);
-            for (i, f) in rest.iter_mut().enumerate() {
-                let even = (l[0][i] * y[0] + l[2][i] * y[2]) + (l[4][i] * y[4] + l[6][i] * y[6]);
-                let odd = (l[1][i] * y[1] + l[3][i] * y[3]) + (l[5][i] * y[5] + l[7][i] * y[7]);
-                *f -= even + odd;
-            }
-        } else {
-            for j in 0..end - begin {
-                let y = own[begin + j];
-                for (f, l) in rest.iter_mut().zip(columns(j)) {
-                    *f -= l * y;
-                }
-            }
-        }
-    }
-}
-
-/// f_own ← L11⁻ᵀ (f_own − L21ᵀ f_rows).
-fn backward(block: &[f64], height: usize, width: usize, f: &mut [f64]) {
-    let mut end = width;
-    while end > 0 {
-        // Strips begin where they do in `forward`.
-        let begin = (end - 1) / STRIP * STRIP;
-        let (own, rest) = f.split_at_mut(end);
-        for pair in (begin..end).step_by(4) {
-            let count = (end - pair).min(4);
-            let mut sums = [0.0; 4];
-            if count == 4 {
-                let l: [&[f64]; 4] =
-                    std::array::from_fn(|j| &block[(pair + j) * height..][end..height]);
-                sums = dots(l, rest);
-            } else {
-                for (j, sum) in sums.iter_mut().enumerate().take(count) {
-                    let l = &block[(pair + j) * height..][end..height];
-                    *sum = dots([l; 4], rest)[0];
-                }
-            }
-            for j in 0..count {
-                own[pair + j] -= sums[j];
-            }
-        }
-        for j in (begin..end).rev() {
-            let column = &block[j * height..][..height];
-            let mut sum = own[j];
-            for i in j + 1..end {
-                sum -= column[i] * own[i];
-            }
-            own[j] = sum / column[j];
-        }
-        end = begin;
-    }
-}
-
-/// l · f of four columns.
-fn dots(l: [&[f64]; 4], f: &[f64]) -> [f64; 4] {
-    const LANES: usize = 4;
-    let whole = f.len() / LANES * LANES;
-    let mut lanes = [[0.0; LANES]; 4];
-    let l: [&[f64]; 4] = std::array::from_fn(|j| &l[j][..f.len()]);
-    for i in (0..whole).step_by(LANES) {
-        let f: &[f64; LANES] = f[i..i + LANES].try_into().expect("so many");
-        for j in 0..4 {
-            let l: &[f64; LANES] = l[j][i..i + LANES].try_into().expect("so many");
-            for lane in 0..LANES {
-                lanes[j][lane] += l[lane] * f[lane];
-            }
-        }
-    }
-    std::array::from_fn(|j| {
-        let rest = (whole..f.len()).map(|i| l[j][i] * f[i]).sum::<f64>();
-        (lanes[j][0] + lanes[j][1]) + (lanes[j][2] + lanes[j][3]) + rest
-    })
-}
-
-fn forward_many(block: &[f64], height: usize, width: usize, f: &mut [f64], k: usize) {
-    let l = MatRef::from_column_major_slice(block, height, width);
-    let (l11, l21) = l.split_at_row(width);
-    let f = MatMut::from_column_major_slice_mut(f, height, k);
-    let (mut own, mut rows) = f.split_at_row_mut(width);
-    solve_lower_triangular_in_place(l11, own.as_mut(), Par::Seq);
-    matmul(rows.as_mut(), Accum::Add, l21, own.as_ref(), -1.0, Par::Seq);
-}
-
-fn backward_many(block: &[f64], height: usize, width: usize, f: &mut [f64], k: usize) {
-    let l = MatRef::from_column_major_slice(block, height, width);
-    let (l11, l21) = l.split_at_row(width);
-    let f = MatMut::from_column_major_slice_mut(f, height, k);
-    let (mut own, rows) = f.split_at_row_mut(width);
-    matmul(
-        own.as_mut(),
-        Accum::Add,
-        l21.transpose(),
-        rows.as_ref(),
-        -1.0,
-        Par::Seq,
-    );
-    solve_upper_triangular_in_place(l11.transpose(), own.as_mut(), Par::Seq);
 }

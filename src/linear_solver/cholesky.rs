@@ -1,13 +1,27 @@
-//! Sparse Cholesky factorisation K = L Lᵀ: symbolic once, numeric as often as K changes.
+//! Sparse Cholesky factorisation K = L Lᵀ: symbolic once, numeric as often as K changes. Of a front,
+//!
+//! ```text
+//! L11 L11ᵀ = A11,   L21 = A21 L11⁻ᵀ,   passed up: U = A22 − L21 L21ᵀ
+//! ```
 
 use super::SolverError;
-use super::multifrontal::{self, NotPositive, Pool};
+use super::multifrontal::{self, Child, Front, NotPositive, Pool, parallelism};
 use super::ordering::{Ordering, elimination_order};
 use super::supernodes::Supernodes;
-use super::triangular;
+use super::triangular::{self, Factors};
 use crate::assembly::{Lists, LowerMatrix};
+use faer::dyn_stack::{MemStack, StackReq};
+use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::triangular::{self as lower, BlockStructure};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::sparse::SymbolicSparseColMatRef;
+use faer::{Accum, MatMut, Par};
 use std::sync::{Arc, Mutex, PoisonError};
+
+/// The least pivot L_jj² over K_jj. A singular K leaves pivots of rounding size, some 1e-16, of either
+/// sign. A body that is held has larger ones: beam theory gives some 1e-10 for a cantilever a thousand
+/// times as long as deep, and they fall with the cube of that ratio.
+const LEAST_PIVOT: f64 = 1e-13;
 
 /// The structure of L, from the pattern of K alone.
 #[derive(Clone, Debug)]
@@ -53,8 +67,7 @@ impl Symbolic {
     /// Multiplications and additions of the numeric factorisation: w³/3 + w²r + wr² for each
     /// supernode of w columns with r rows below them.
     pub fn flops(&self) -> f64 {
-        let roots = self.structure.roots().into_iter();
-        roots.map(|root| self.structure.subtree_flops(root)).sum()
+        self.structure.total_flops()
     }
 
     /// L of a matrix with this pattern, on all threads.
@@ -69,11 +82,17 @@ impl Symbolic {
             .take();
         let mut values = match spare {
             Some(values) => values,
-            None => zeros(self.factor_entries()).ok_or_else(|| SolverError::OutOfMemory {
-                dofs: matrix.ncols(),
-            })?,
+            None => {
+                super::zeros(self.factor_entries()).ok_or_else(|| SolverError::OutOfMemory {
+                    dofs: matrix.ncols(),
+                })?
+            }
         };
-        multifrontal::factorise(&self.structure, matrix.val(), &mut values, &self.pool).map_err(
+        let fronts = Fronts {
+            structure: &self.structure,
+            matrix: matrix.val(),
+        };
+        multifrontal::factorise(&self.structure, &fronts, &mut values, &self.pool).map_err(
             |NotPositive(column)| SolverError::NotPositiveDefinite {
                 dof: self.structure.dof(column),
             },
@@ -84,14 +103,6 @@ impl Symbolic {
             spare: self.spare.clone(),
         })
     }
-}
-
-/// Zeros in pages that the system has yet to give; `None` where it has no room.
-fn zeros(count: usize) -> Option<Vec<f64>> {
-    let mut room = Vec::<f64>::new();
-    room.try_reserve_exact(count).ok()?;
-    drop(room);
-    Some(vec![0.0; count])
 }
 
 /// L.
@@ -130,6 +141,121 @@ impl Factor {
 
     /// The same for `columns` right-hand sides one after the other: eight cost little more than one.
     pub fn solve_many_in_place(&self, rhs: &mut [f64], columns: usize) {
-        triangular::solve(&self.structure, &self.values, rhs, columns);
+        let factors = Factors::Symmetric(&self.values);
+        triangular::solve(&self.structure, factors, rhs, columns);
+    }
+}
+
+struct Fronts<'a> {
+    structure: &'a Supernodes,
+    /// Entries of K.
+    matrix: &'a [f64],
+}
+
+impl Front for Fronts<'_> {
+    fn start(&self, s: usize) -> usize {
+        self.structure.block_start(s)
+    }
+
+    fn scratch(&self, columns: usize) -> StackReq {
+        cholesky_in_place_scratch::<f64>(columns, Par::Seq, Default::default())
+    }
+
+    fn eliminate(
+        &self,
+        s: usize,
+        block: &mut [f64],
+        children: &[Child],
+        update: &mut [f64],
+        memory: &mut MemStack,
+    ) -> Result<(), NotPositive> {
+        let structure = self.structure;
+        let (width, rows) = (structure.width(s), structure.rows(s).len());
+        let height = width + rows;
+        block.fill(0.0);
+        self.add_matrix(s, block);
+        let mut diagonal = vec![0.0; width];
+        for (column, diagonal) in diagonal.iter_mut().enumerate() {
+            *diagonal = self.diagonal(s, column);
+        }
+        for child in children {
+            child.runs.add_columns(child.update, block, height);
+        }
+        let par = parallelism(structure, s);
+        let l = MatMut::from_column_major_slice_mut(block, height, width);
+        let (mut l11, mut l21) = l.split_at_row_mut(width);
+        let first = structure.columns(s).start;
+        cholesky_in_place(
+            l11.as_mut(),
+            Default::default(),
+            par,
+            memory,
+            Default::default(),
+        )
+        .map_err(|LltError::NonPositivePivot { index }| NotPositive(first + index))?;
+        for (j, &diagonal) in diagonal.iter().enumerate() {
+            // False for a pivot that is not a number.
+            let sound = l11[(j, j)].powi(2) > LEAST_PIVOT * diagonal;
+            if !sound {
+                return Err(NotPositive(first + j));
+            }
+        }
+        if rows == 0 {
+            return Ok(());
+        }
+        solve_lower_triangular_in_place(l11.as_ref(), l21.as_mut().transpose_mut(), par);
+        let mut u = MatMut::from_column_major_slice_mut(update, rows, rows);
+        lower::matmul(
+            u.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Replace,
+            l21.as_ref(),
+            BlockStructure::Rectangular,
+            l21.as_ref().transpose(),
+            BlockStructure::Rectangular,
+            -1.0,
+            par,
+        );
+        for child in children {
+            child.runs.add_rest(child.update, update, rows);
+        }
+        Ok(())
+    }
+}
+
+impl Fronts<'_> {
+    fn diagonal(&self, s: usize, column: usize) -> f64 {
+        let first = self.structure.columns(s).start + column - column % 2;
+        let sources = self.structure.sources(first);
+        let own = sources
+            .iter()
+            .find(|source| source.row as usize == column - column % 2);
+        own.map_or(0.0, |own| self.matrix[own.columns[column % 2] as usize])
+    }
+
+    /// K's entries in the columns of a supernode.
+    fn add_matrix(&self, s: usize, block: &mut [f64]) {
+        let columns = self.structure.columns(s);
+        let height = columns.len() + self.structure.rows(s).len();
+        for (first, pair) in columns.step_by(2).zip((0..).step_by(2)) {
+            let (left, right) = block[pair * height..(pair + 2) * height].split_at_mut(height);
+            for source in self.structure.sources(first) {
+                let row = source.row as usize;
+                let [a, b] = source.columns.map(|at| at as usize);
+                if row == pair {
+                    left[row] = self.matrix[a];
+                    left[row + 1] = self.matrix[a + 1];
+                    right[row + 1] = self.matrix[b];
+                } else if source.transposed {
+                    left[row] = self.matrix[a];
+                    right[row] = self.matrix[a + 1];
+                    left[row + 1] = self.matrix[b];
+                    right[row + 1] = self.matrix[b + 1];
+                } else {
+                    left[row..row + 2].copy_from_slice(&self.matrix[a..a + 2]);
+                    right[row..row + 2].copy_from_slice(&self.matrix[b..b + 2]);
+                }
+            }
+        }
     }
 }

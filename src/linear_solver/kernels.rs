@@ -215,7 +215,7 @@ fn subtract<const C: usize, const R: usize>(block: Block, begin: usize, end: usi
 pub struct Added<'a> {
     /// Row in the update, row in the front, length; ascending.
     pub runs: &'a [[usize; 3]],
-    /// The lower triangle, column by column.
+    /// Column by column.
     pub update: &'a [f64],
     pub rows: usize,
     /// Columns of the front from `first` on, its rows from `first` on.
@@ -223,6 +223,8 @@ pub struct Added<'a> {
     pub height: usize,
     pub first: usize,
     pub end: usize,
+    /// The lower triangle only.
+    pub lower: bool,
 }
 
 impl Added<'_> {
@@ -244,9 +246,17 @@ impl WithSimd for Added<'_> {
             for j in 0..length {
                 let from = &self.update[(row + j) * self.rows..][..self.rows];
                 let to = &mut self.front[(place - first + j) * height..][..height];
-                add(&mut to[place - first + j..], &from[row + j..row + length]);
-                for &[row, place, length] in &self.runs[k + 1..] {
-                    add(&mut to[place - first..], &from[row..row + length]);
+                let runs = if self.lower {
+                    let own = &from[row + j..row + length];
+                    add(&mut to[place - first + j..], own);
+                    &self.runs[k + 1..]
+                } else {
+                    self.runs
+                };
+                for &[row, place, length] in runs {
+                    if place >= first {
+                        add(&mut to[place - first..], &from[row..row + length]);
+                    }
                 }
             }
         }

@@ -1,9 +1,9 @@
-//! Numeric Cholesky factorisation K = L Lᵀ, multifrontal (Duff & Reid 1983; Liu 1992).
+//! Numeric factorisation, multifrontal (Duff & Reid 1983; Liu 1992).
 //!
 //! A supernode's front is K on its columns and rows, plus what its children pass up:
 //!
 //! ```text
-//! F = [A11  · ]     L11 L11ᵀ = A11,   L21 = A21 L11⁻ᵀ,   passed up: U = A22 − L21 L21ᵀ
+//! F = [A11 A12]   factors of A11 and of its rows and columns; passed up: U = A22 − A21 A11⁻¹ A12
 //!     [A21 A22]
 //! ```
 //!
@@ -13,11 +13,8 @@
 
 use super::kernels::Added;
 use super::supernodes::Supernodes;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, MatMut, Par};
+use faer::Par;
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -31,42 +28,76 @@ const LEAST_WORK: f64 = 1e7;
 const LARGE: f64 = 2e8;
 const PARTS: usize = 8;
 
-/// The least pivot L_jj² over K_jj. A singular K leaves pivots of rounding size, some 1e-16, of either
-/// sign. A body that is held has larger ones: beam theory gives some 1e-10 for a cantilever a thousand
-/// times as long as deep, and they fall with the cube of that ratio.
-const LEAST_PIVOT: f64 = 1e-13;
-
 /// The column of a pivot that is not positive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotPositive(pub usize);
 
-/// Writes L into `values`; `matrix` are the entries of K that the structure was found from.
+/// One kind of factorisation, front by front.
+pub trait Front: Sync {
+    /// Where a supernode's numbers begin among all; of the number of supernodes, how many there are.
+    fn start(&self, s: usize) -> usize;
+
+    /// Memory to work in, for so many columns.
+    fn scratch(&self, columns: usize) -> StackReq;
+
+    /// Fills a supernode's numbers and what it passes up, a square matrix column by column.
+    ///
+    /// # Errors
+    /// [`NotPositive`].
+    fn eliminate(
+        &self,
+        s: usize,
+        own: &mut [f64],
+        children: &[Child],
+        update: &mut [f64],
+        memory: &mut MemStack,
+    ) -> Result<(), NotPositive>;
+}
+
+/// What a child passes up.
+pub struct Child<'a> {
+    pub runs: Runs,
+    pub update: &'a [f64],
+}
+
+/// Fills the numbers of all supernodes.
+///
+/// # Errors
+/// [`NotPositive`].
 pub fn factorise(
     structure: &Supernodes,
-    matrix: &[f64],
+    front: &impl Front,
     values: &mut [f64],
     pool: &Pool,
 ) -> Result<(), NotPositive> {
     let roots = structure.roots();
-    let total: f64 = roots.iter().map(|&s| structure.subtree_flops(s)).sum();
     let numeric = Numeric {
         structure,
-        matrix,
-        least: LEAST_WORK.max(SHARE * total),
+        front,
+        least: LEAST_WORK.max(SHARE * structure.total_flops()),
         pool,
     };
     numeric.subtrees(&roots, values).map(|_| ())
 }
 
-struct Numeric<'a> {
+/// How many threads a supernode is for.
+pub fn parallelism(structure: &Supernodes, s: usize) -> Par {
+    if structure.flops(s) > LARGE {
+        Par::rayon(PARTS)
+    } else {
+        Par::Seq
+    }
+}
+
+struct Numeric<'a, F> {
     structure: &'a Supernodes,
-    matrix: &'a [f64],
+    front: &'a F,
     /// Work of the smallest subtree that is looked into for more tasks.
     least: f64,
     pool: &'a Pool,
 }
 
-/// U of a supernode, column by column; the lower triangle is meant.
+/// What a supernode passes up.
 struct Update {
     supernode: usize,
     values: Vec<f64>,
@@ -81,7 +112,7 @@ impl Pool {
     fn take(&self, length: usize) -> Vec<f64> {
         let mut free = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let fitting = free.iter().position(|vector| vector.capacity() >= length);
-        let found = fitting.map(|k| free.swap_remove(k));
+        let found = fitting.map(|k| free.remove(k));
         drop(free);
         let mut vector = found.unwrap_or_default();
         if vector.capacity() < length {
@@ -98,7 +129,7 @@ impl Pool {
     }
 }
 
-impl Numeric<'_> {
+impl<F: Front> Numeric<'_, F> {
     /// Neighbouring subtrees, whose entries of L are `values`.
     fn subtrees(&self, roots: &[usize], values: &mut [f64]) -> Result<Vec<Update>, NotPositive> {
         let tasks = self.split(roots, values);
@@ -112,8 +143,7 @@ impl Numeric<'_> {
     fn split<'v>(&self, roots: &[usize], mut values: &'v mut [f64]) -> Vec<(usize, &'v mut [f64])> {
         let share = |&root: &usize| {
             let subtree = self.structure.subtree(root);
-            let entries =
-                self.structure.block(root).end - self.structure.block(subtree.start).start;
+            let entries = self.front.start(root + 1) - self.front.start(subtree.start);
             let (own, rest) = std::mem::take(&mut values).split_at_mut(entries);
             values = rest;
             (root, own)
@@ -130,7 +160,7 @@ impl Numeric<'_> {
         let (mut top, mut values) = (root, values);
         loop {
             let children = self.structure.children(top);
-            let below = values.len() - self.structure.block(top).len();
+            let below = values.len() - self.numbers(top);
             let (subtrees, block) = values.split_at_mut(below);
             let large = |&c: &usize| self.structure.subtree_flops(c) >= self.least;
             if children.iter().filter(|c| large(c)).count() != 1 {
@@ -161,9 +191,16 @@ impl Numeric<'_> {
         }
     }
 
-    fn dense(&self, columns: usize) -> MemBuffer {
-        let scratch = cholesky_in_place_scratch::<f64>(columns, Par::Seq, Default::default());
-        MemBuffer::new(scratch)
+    /// How many numbers a supernode has.
+    fn numbers(&self, s: usize) -> usize {
+        self.front.start(s + 1) - self.front.start(s)
+    }
+
+    fn child<'u>(&self, child: usize, parent: usize, update: &'u [f64]) -> Child<'u> {
+        Child {
+            runs: Runs::new(self.structure.places(child), self.structure.width(parent)),
+            update,
+        }
     }
 
     fn front(
@@ -174,11 +211,12 @@ impl Numeric<'_> {
     ) -> Result<Update, NotPositive> {
         let rows = self.structure.rows(s).len();
         let mut update = self.pool.take(rows * rows);
-        let updates: Vec<(usize, &[f64])> = (children.iter())
-            .map(|child| (child.supernode, child.values.as_slice()))
+        let updates: Vec<Child> = (children.iter())
+            .map(|child| self.child(child.supernode, s, &child.values))
             .collect();
-        let mut dense = self.dense(self.structure.width(s));
-        self.eliminate(s, block, &updates, &mut update, &mut dense)?;
+        let mut memory = MemBuffer::new(self.front.scratch(self.structure.width(s)));
+        let memory = MemStack::new(&mut memory);
+        (self.front).eliminate(s, block, &updates, &mut update, memory)?;
         children
             .into_iter()
             .for_each(|child| self.pool.give(child.values));
@@ -194,28 +232,29 @@ impl Numeric<'_> {
         let subtree = structure.subtree(root);
         let first = subtree.start;
         let widest = subtree.clone().map(|s| structure.width(s)).max();
-        let mut dense = self.dense(widest.unwrap_or(0));
+        let mut memory = MemBuffer::new(self.front.scratch(widest.unwrap_or(0)));
         let Stacks { level, size } = Stacks::of(structure, subtree.clone());
         // Of supernodes an even, and an odd number of levels below the root: one is read, one is written.
         let mut stacks = size.map(|size| self.pool.take(size));
         let mut top = [0, 0];
         let mut rest = values;
         for s in subtree {
-            let (block, after) = std::mem::take(&mut rest).split_at_mut(structure.block(s).len());
+            let (block, after) = std::mem::take(&mut rest).split_at_mut(self.numbers(s));
             rest = after;
             let rows = structure.rows(s).len();
             let own = level[s - first] % 2;
             let [even, odd] = &mut stacks;
             let (write, read) = if own == 0 { (even, odd) } else { (odd, even) };
             let mut end = top[1 - own];
-            let mut children: Vec<(usize, &[f64])> = Vec::new();
+            let mut children: Vec<Child> = Vec::new();
             for child in structure.children_from_last(s) {
                 let begin = end - structure.rows(child).len().pow(2);
-                children.push((child, &read[begin..end]));
+                children.push(self.child(child, s, &read[begin..end]));
                 end = begin;
             }
             let update = &mut write[top[own]..][..rows * rows];
-            self.eliminate(s, block, &children, update, &mut dense)?;
+            let memory = MemStack::new(&mut memory);
+            (self.front).eliminate(s, block, &children, update, memory)?;
             top[own] += rows * rows;
             top[1 - own] = end;
         }
@@ -226,110 +265,6 @@ impl Numeric<'_> {
             supernode: root,
             values: update,
         })
-    }
-
-    /// One front: its block of L, and what it passes up.
-    fn eliminate(
-        &self,
-        s: usize,
-        block: &mut [f64],
-        children: &[(usize, &[f64])],
-        update: &mut [f64],
-        dense: &mut MemBuffer,
-    ) -> Result<(), NotPositive> {
-        let structure = self.structure;
-        let (width, rows) = (structure.width(s), structure.rows(s).len());
-        let height = width + rows;
-        block.fill(0.0);
-        self.add_matrix(s, block);
-        let children: Vec<(Runs, &[f64])> = (children.iter())
-            .map(|&(child, update)| (Runs::new(structure.places(child), width), update))
-            .collect();
-        let mut diagonal = vec![0.0; width];
-        for (column, diagonal) in diagonal.iter_mut().enumerate() {
-            *diagonal = self.diagonal(s, column);
-        }
-        for (runs, child) in &children {
-            runs.add_columns(child, block, height);
-        }
-        let par = if structure.flops(s) > LARGE {
-            Par::rayon(PARTS)
-        } else {
-            Par::Seq
-        };
-        let l = MatMut::from_column_major_slice_mut(block, height, width);
-        let (mut l11, mut l21) = l.split_at_row_mut(width);
-        let first = structure.columns(s).start;
-        cholesky_in_place(
-            l11.as_mut(),
-            Default::default(),
-            par,
-            MemStack::new(dense),
-            Default::default(),
-        )
-        .map_err(|LltError::NonPositivePivot { index }| NotPositive(first + index))?;
-        for (j, &diagonal) in diagonal.iter().enumerate() {
-            // False for a pivot that is not a number.
-            let sound = l11[(j, j)].powi(2) > LEAST_PIVOT * diagonal;
-            if !sound {
-                return Err(NotPositive(first + j));
-            }
-        }
-        if rows == 0 {
-            return Ok(());
-        }
-        solve_lower_triangular_in_place(l11.as_ref(), l21.as_mut().transpose_mut(), par);
-        let mut u = MatMut::from_column_major_slice_mut(update, rows, rows);
-        triangular::matmul(
-            u.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Replace,
-            l21.as_ref(),
-            BlockStructure::Rectangular,
-            l21.as_ref().transpose(),
-            BlockStructure::Rectangular,
-            -1.0,
-            par,
-        );
-        for (runs, child) in &children {
-            runs.add_rest(child, update, rows);
-        }
-        Ok(())
-    }
-
-    fn diagonal(&self, s: usize, column: usize) -> f64 {
-        let first = self.structure.columns(s).start + column - column % 2;
-        let sources = self.structure.sources(first);
-        let own = sources
-            .iter()
-            .find(|source| source.row as usize == column - column % 2);
-        own.map_or(0.0, |own| self.matrix[own.columns[column % 2] as usize])
-    }
-
-    /// K's entries in the columns of a supernode.
-    fn add_matrix(&self, s: usize, block: &mut [f64]) {
-        let columns = self.structure.columns(s);
-        let height = columns.len() + self.structure.rows(s).len();
-        for (first, pair) in columns.step_by(2).zip((0..).step_by(2)) {
-            let (left, right) = block[pair * height..(pair + 2) * height].split_at_mut(height);
-            for source in self.structure.sources(first) {
-                let row = source.row as usize;
-                let [a, b] = source.columns.map(|at| at as usize);
-                if row == pair {
-                    left[row] = self.matrix[a];
-                    left[row + 1] = self.matrix[a + 1];
-                    right[row + 1] = self.matrix[b];
-                } else if source.transposed {
-                    left[row] = self.matrix[a];
-                    right[row] = self.matrix[a + 1];
-                    left[row + 1] = self.matrix[b];
-                    right[row + 1] = self.matrix[b + 1];
-                } else {
-                    left[row..row + 2].copy_from_slice(&self.matrix[a..a + 2]);
-                    right[row..row + 2].copy_from_slice(&self.matrix[b..b + 2]);
-                }
-            }
-        }
     }
 }
 
@@ -363,8 +298,8 @@ impl Stacks {
 }
 
 /// Rows of a child that are next to each other in its parent.
-struct Runs {
-    /// Row of the child, row of the parent's front, length.
+pub struct Runs {
+    /// Row of the child, row of the parent's front, length; ascending.
     runs: Vec<[usize; 3]>,
     rows: usize,
     /// Columns of the parent.
@@ -391,17 +326,46 @@ impl Runs {
         }
     }
 
-    /// Adds what falls into the parent's columns.
-    fn add_columns(&self, child: &[f64], block: &mut [f64], height: usize) {
-        self.add(child, block, height, 0..self.width);
+    /// How many of the child's rows are the parent's columns.
+    pub fn inside(&self) -> usize {
+        let after = self.runs.iter().find(|[_, place, _]| *place >= self.width);
+        after.map_or(self.rows, |&[row, ..]| row)
     }
 
-    /// Adds what the parent passes on.
-    fn add_rest(&self, child: &[f64], update: &mut [f64], rows: usize) {
-        self.add(child, update, rows, self.width..usize::MAX);
+    /// Row of the parent's front for each row of the child.
+    pub fn places(&self) -> impl Iterator<Item = usize> + '_ {
+        let places = |&[_, place, length]: &[usize; 3]| place..place + length;
+        self.runs.iter().flat_map(places)
     }
 
-    fn add(&self, update: &[f64], front: &mut [f64], height: usize, columns: Range<usize>) {
+    /// Adds the part of a lower triangle that falls into the parent's columns.
+    pub fn add_columns(&self, update: &[f64], block: &mut [f64], height: usize) {
+        self.add(update, block, height, 0..self.width, true);
+    }
+
+    /// Adds the part of a lower triangle that the parent passes on.
+    pub fn add_rest(&self, update: &[f64], passed: &mut [f64], rows: usize) {
+        self.add(update, passed, rows, self.width..usize::MAX, true);
+    }
+
+    /// As [`Runs::add_columns`], all rows.
+    pub fn add_full_columns(&self, update: &[f64], block: &mut [f64], height: usize) {
+        self.add(update, block, height, 0..self.width, false);
+    }
+
+    /// As [`Runs::add_rest`], all rows.
+    pub fn add_full_rest(&self, update: &[f64], passed: &mut [f64], rows: usize) {
+        self.add(update, passed, rows, self.width..usize::MAX, false);
+    }
+
+    fn add(
+        &self,
+        update: &[f64],
+        front: &mut [f64],
+        height: usize,
+        columns: Range<usize>,
+        lower: bool,
+    ) {
         Added {
             runs: &self.runs,
             update,
@@ -410,6 +374,7 @@ impl Runs {
             height,
             first: columns.start,
             end: columns.end,
+            lower,
         }
         .add();
     }

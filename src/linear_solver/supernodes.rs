@@ -109,6 +109,16 @@ impl Supernodes {
         &self.place[self.row_start[s]..self.row_start[s + 1]]
     }
 
+    /// Where a supernode's block begins; of the number of supernodes, where the last one ends.
+    pub fn block_start(&self, s: usize) -> usize {
+        self.block_start[s]
+    }
+
+    /// The first column of a supernode; of the number of supernodes, how many columns there are.
+    pub fn first_column(&self, s: usize) -> usize {
+        self.first_column[s] as usize
+    }
+
     /// Where a supernode's block, column by column, is among the entries of L.
     pub fn block(&self, s: usize) -> Range<usize> {
         self.block_start[s]..self.block_start[s + 1]
@@ -151,6 +161,11 @@ impl Supernodes {
     /// Multiplications and additions to factorise a subtree.
     pub fn subtree_flops(&self, s: usize) -> f64 {
         self.flops[s]
+    }
+
+    /// Of all subtrees, by Cholesky: w³/3 + w²r + wr² for each supernode of w columns with r rows below.
+    pub fn total_flops(&self) -> f64 {
+        self.roots().into_iter().map(|root| self.flops[root]).sum()
     }
 
     /// Of a single supernode.

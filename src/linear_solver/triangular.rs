@@ -15,12 +15,57 @@ use rayon::prelude::*;
 /// Subtrees with fewer entries of L stay with one thread.
 const LEAST_ENTRIES: usize = 500_000;
 
+/// Factors of K by supernode.
+#[derive(Clone, Copy)]
+pub enum Factors<'a> {
+    /// Blocks of L in K = L Lᵀ.
+    Symmetric(&'a [f64]),
+    /// Blocks of L and of Uᵀ in P K = L U, and for each column which of the supernode's rows stands there.
+    Pivoted(&'a [f64]),
+}
+
+impl<'a> Factors<'a> {
+    fn up(self, structure: &Supernodes, s: usize) -> &'a [f64] {
+        match self {
+            Factors::Symmetric(values) => &values[structure.block(s)],
+            Factors::Pivoted(values) => {
+                &values[pivoted_start(structure, s)..][..structure.block(s).len()]
+            }
+        }
+    }
+
+    fn down(self, structure: &Supernodes, s: usize) -> &'a [f64] {
+        match self {
+            Factors::Symmetric(values) => &values[structure.block(s)],
+            Factors::Pivoted(values) => {
+                let length = structure.block(s).len();
+                &values[pivoted_start(structure, s) + length..][..length]
+            }
+        }
+    }
+
+    fn order(self, structure: &Supernodes, s: usize) -> Option<&'a [f64]> {
+        match self {
+            Factors::Symmetric(_) => None,
+            Factors::Pivoted(values) => {
+                let end = pivoted_start(structure, s + 1);
+                Some(&values[end - structure.width(s)..end])
+            }
+        }
+    }
+}
+
+/// Where the numbers of a supernode begin in [`Factors::Pivoted`].
+pub fn pivoted_start(structure: &Supernodes, s: usize) -> usize {
+    2 * structure.block_start(s) + structure.first_column(s)
+}
+
 /// Overwrites `x`, `columns` vectors one after the other, by (L Lᵀ)⁻¹ x.
-pub fn solve(structure: &Supernodes, values: &[f64], x: &mut [f64], columns: usize) {
+pub fn solve(structure: &Supernodes, factors: Factors, x: &mut [f64], columns: usize) {
     let n = structure.dofs();
     let sweep = Sweep {
         structure,
-        values,
+        factors,
         k: columns,
     };
     let mut panels = vec![0.0; n * columns];
@@ -44,7 +89,7 @@ pub fn solve(structure: &Supernodes, values: &[f64], x: &mut [f64], columns: usi
 
 struct Sweep<'a> {
     structure: &'a Supernodes,
-    values: &'a [f64],
+    factors: Factors<'a>,
     /// Right-hand sides.
     k: usize,
 }
@@ -91,10 +136,10 @@ impl Sweep<'_> {
         }
     }
 
-    fn block(&self, s: usize) -> Block<'_> {
+    fn block<'b>(&self, values: &'b [f64], s: usize) -> Block<'b> {
         let (width, rows) = (self.structure.width(s), self.structure.rows(s).len());
         Block {
-            values: &self.values[self.structure.block(s)],
+            values,
             width,
             height: width + rows,
         }
@@ -263,7 +308,16 @@ impl Sweep<'_> {
                 }
             }
         }
-        self.block(s).forward(front);
+        if let Some(order) = self.factors.order(self.structure, s) {
+            for f in front.chunks_exact_mut(height) {
+                let own = f[..width].to_vec();
+                for (f, &from) in f.iter_mut().zip(order) {
+                    *f = own[from as usize];
+                }
+            }
+        }
+        let block = self.block(self.factors.up(self.structure, s), s);
+        block.forward(front);
         for k in 0..self.k {
             let front = &front[k * height..][..height];
             x[own.start + k * width..][..width].copy_from_slice(&front[..width]);
@@ -288,7 +342,8 @@ impl Sweep<'_> {
             front.extend_from_slice(&x[own.start + k * width..][..width]);
             front.extend_from_slice(&work[passed.start + k * rows..][..rows]);
         }
-        self.block(s).backward(front);
+        let block = self.block(self.factors.down(self.structure, s), s);
+        block.backward(front);
         for k in 0..self.k {
             let front = &front[k * height..][..height];
             x[own.start + k * width..][..width].copy_from_slice(&front[..width]);

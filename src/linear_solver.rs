@@ -5,6 +5,7 @@ pub mod cholesky;
 mod compliance;
 pub mod lu;
 mod metis;
+mod path;
 pub mod ordering;
 
 use thiserror::Error;

@@ -147,7 +147,7 @@ pub fn run<E: From<StaticsError>>(
         let mut record = Record::default();
         let last_broken = loop {
             state.advance(problem, &response, load);
-            let broken = break_bonds(problem, state, &response, load);
+            let broken = break_bonds(problem, state, &response, load, phases);
             if !response.foresees_next() {
                 state.settle(problem, &response);
             }
@@ -220,10 +220,16 @@ fn next_load(problem: &Problem, state: &State, response: &Response) -> Option<Lo
     }
 }
 
-fn break_bonds(problem: &Problem, state: &mut State, response: &Response, load: Load) -> usize {
-    let bonds = match problem.control {
+fn break_bonds(
+    problem: &Problem,
+    state: &mut State,
+    response: &Response,
+    load: Load,
+    phases: &mut Phases,
+) -> usize {
+    let bonds = phases.measure("stretches", || match problem.control {
         Control::EventDriven => response.bonds_at_limit(problem, state, load),
         _ => response.bonds_over_limit(problem, state, load),
-    };
-    state.break_bonds(problem, response, &bonds)
+    });
+    phases.measure("loose parts", || state.break_bonds(problem, response, &bonds))
 }

@@ -25,6 +25,9 @@ use crate::phases::Phases;
 use crate::statics::{Factorised, Solution, Solver, StaticsError};
 use rayon::prelude::*;
 
+/// A rough stretch of this share of the limit calls for an exact one.
+const NEAR: f64 = 0.999;
+
 /// u_held and u_unit of all nodes.
 #[derive(Clone)]
 pub struct Solutions {
@@ -150,7 +153,7 @@ impl Response {
             return Ok(());
         }
         if let Some(update) = &mut self.update
-            && let Some(solved) = phases.measure("update", || update.renew(problem, state))
+            && let Some(solved) = update.renew(problem, state, phases)
         {
             self.values = solved.values(problem);
             self.solved = solved;
@@ -235,8 +238,10 @@ impl Response {
     /// Intact bonds that are over their limit under a load.
     pub fn bonds_over_limit(&self, problem: &Problem, state: &State, load: Load) -> Vec<usize> {
         let is_over = |&s: &usize| {
-            let stretch = load.combine(self.solved.stretches(problem, s));
-            problem.limits.of(s).is_exceeded(stretch)
+            let limit = problem.limits.of(s);
+            let rough = load.combine(self.solved.rough_stretches(problem, s));
+            limit.utilisation(rough) > NEAR
+                && limit.is_exceeded(load.combine(self.solved.stretches(problem, s)))
         };
         (0..problem.model.springs.len())
             .into_par_iter()

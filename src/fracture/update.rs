@@ -18,9 +18,10 @@ use super::control::Problem;
 use super::response::Solutions;
 use super::state::State;
 use crate::boundary::Boundary;
+use crate::phases::Phases;
 use crate::statics::{Factorised, Solution};
 use super::dense::Lu;
-use faer::{Col, Mat};
+use faer::{ColRef, Mat};
 use std::collections::BTreeMap;
 
 /// The largest relative residual that is not worth a factorisation.
@@ -65,6 +66,8 @@ impl Update {
                 place: BTreeMap::new(),
                 compliance: Mat::new(),
                 columns: Vec::new(),
+                springs: Vec::new(),
+                system: Mat::new(),
             },
         }
     }
@@ -80,7 +83,12 @@ impl Update {
     }
 
     /// u_held and u_unit with the bonds that are gone; `None` where a factorisation is due.
-    pub fn renew(&mut self, problem: &Problem, state: &State) -> Option<Solutions> {
+    pub fn renew(
+        &mut self,
+        problem: &Problem,
+        state: &State,
+        phases: &mut Phases,
+    ) -> Option<Solutions> {
         if self.costs.is_due() || state.phase != self.phase {
             return None;
         }
@@ -90,20 +98,23 @@ impl Update {
         if !self.costs.add(self.touched.dofs.len(), new) {
             return None;
         }
-        self.touched.extend(&self.factorised);
+        phases.measure("compliance", || self.touched.extend(&self.factorised));
+        let system = phases.measure("update", || {
+            self.touched.lose(problem, &state.broken[self.known..]);
+            Lu::new(self.touched.system(&pins), LEAST_PIVOT)
+        })?;
         self.known = state.broken.len();
-        let touch = |&spring: &u32| self.touched.spring(problem, spring as usize);
-        let springs: Vec<Spring> = gone.iter().map(touch).collect();
-        let system = Lu::new(self.touched.system(&springs, &pins), LEAST_PIVOT)?;
         let (model, programme) = (problem.model, problem.programme);
         let gone: Vec<usize> = gone.iter().map(|&s| s as usize).collect();
-        let after = |before: &Solution, case: &Boundary| {
-            let forces = self.touched.forces(&system, &springs, &pins, before);
+        let mut after = |before: &Solution, case: &Boundary| {
+            let start = std::time::Instant::now();
+            let forces = self.touched.forces(&system, &pins, before);
             let mut change = self.touched.change(&self.factorised, &forces);
             for &dof in &pins {
                 change[dof] = -before.displacement[dof / 2][dof % 2];
             }
             let solution = self.factorised.without(model, case, before, &change, &gone);
+            phases.add("solution", start.elapsed(), 1);
             // False for what is not a number.
             (solution.residual <= DRIFT).then_some(solution)
         };
@@ -140,6 +151,9 @@ struct Touched {
     compliance: Mat<f64>,
     /// K⁻¹ E, column by column, where K is not symmetric [m/N].
     columns: Vec<f64>,
+    /// What is gone, and I − G S.
+    springs: Vec<Spring>,
+    system: Mat<f64>,
 }
 
 impl Touched {
@@ -158,35 +172,66 @@ impl Touched {
         self.dofs.len() - before
     }
 
-    /// Brings G up to the dofs.
+    /// Brings G and the system up to the dofs.
     fn extend(&mut self, factorised: &Factorised) {
         let (size, known) = (self.dofs.len(), self.compliance.nrows());
+        self.extend_compliance(factorised, size, known);
+        let identity = |i: usize, j: usize| f64::from(u8::from(i == j));
+        self.system.resize_with(size, size, identity);
+        for k in 0..self.springs.len() {
+            self.subtract(k, known);
+        }
+    }
+
+    fn extend_compliance(&mut self, factorised: &Factorised, size: usize, known: usize) {
         let new = &self.dofs[known..];
-        let mut compliance = Mat::zeros(size, size);
-        compliance
-            .as_mut()
-            .submatrix_mut(0, 0, known, known)
-            .copy_from(&self.compliance);
+        self.compliance.resize_with(size, size, |_, _| 0.0);
+        let mut compliance = self.compliance.as_mut();
         if let Some(block) = factorised.compliance_between(&self.dofs, new) {
             let mut columns = compliance.as_mut().subcols_mut(known, new.len());
             columns.copy_from(&block);
-            let mut rows = compliance.as_mut().submatrix_mut(known, 0, new.len(), known);
+            let mut rows = compliance.submatrix_mut(known, 0, new.len(), known);
             rows.copy_from(block.subrows(0, known).transpose());
-        } else {
-            let dofs = factorised.dofs();
-            let mut columns = vec![0.0; dofs * new.len()];
-            for (column, &dof) in columns.chunks_exact_mut(dofs).zip(new) {
-                column[dof] = 1.0;
-            }
-            factorised.respond(&mut columns, new.len());
-            self.columns.extend(columns);
-            for (j, column) in self.columns.chunks_exact(dofs).enumerate() {
-                for (i, &dof) in self.dofs.iter().enumerate() {
-                    compliance[(i, j)] = column[dof];
-                }
+            return;
+        }
+        let dofs = factorised.dofs();
+        let mut columns = vec![0.0; dofs * new.len()];
+        for (column, &dof) in columns.chunks_exact_mut(dofs).zip(new) {
+            column[dof] = 1.0;
+        }
+        factorised.respond(&mut columns, new.len());
+        self.columns.extend(columns);
+        for (j, column) in self.columns.chunks_exact(dofs).enumerate() {
+            for (i, &dof) in self.dofs.iter().enumerate() {
+                compliance[(i, j)] = column[dof];
             }
         }
-        self.compliance = compliance;
+    }
+
+    /// Adds springs that are gone to S.
+    fn lose(&mut self, problem: &Problem, gone: &[u32]) {
+        for &spring in gone {
+            self.springs.push(self.spring(problem, spring as usize));
+            self.subtract(self.springs.len() - 1, 0);
+        }
+    }
+
+    /// Takes k G w wᵀ of a spring that is gone off the rows of I − G S from `first` on.
+    fn subtract(&mut self, spring: usize, first: usize) {
+        let Spring {
+            stiffness,
+            terms,
+            acting,
+        } = &self.springs[spring];
+        let mut column = vec![0.0; self.dofs.len() - first];
+        for &(place, w) in acting {
+            add(&mut column, stiffness * w, &slice(self.compliance.col(place))[first..]);
+        }
+        for &(place, w) in terms {
+            let own = self.system.col_mut(place).try_as_col_major_mut();
+            let own = own.expect("stored by columns").as_slice_mut();
+            add(&mut own[first..], -w, &column);
+        }
     }
 
     fn spring(&self, problem: &Problem, spring: usize) -> Spring {
@@ -212,19 +257,8 @@ impl Touched {
     }
 
     /// I − G S, and −G in the columns of the pins.
-    fn system(&self, springs: &[Spring], pins: &[usize]) -> Mat<f64> {
-        let size = self.dofs.len();
-        let mut system = Mat::<f64>::identity(size, size);
-        for spring in springs {
-            let mut column = Col::<f64>::zeros(size);
-            for &(place, w) in &spring.acting {
-                column += faer::Scale(spring.stiffness * w) * self.compliance.col(place);
-            }
-            for &(place, w) in &spring.terms {
-                let mut own = system.col_mut(place);
-                own -= faer::Scale(w) * &column;
-            }
-        }
+    fn system(&self, pins: &[usize]) -> Mat<f64> {
+        let mut system = self.system.clone();
         for place in pins.iter().map(|dof| self.place[dof]) {
             let mut own = system.col_mut(place);
             own.copy_from(faer::Scale(-1.0) * self.compliance.col(place));
@@ -233,7 +267,7 @@ impl Touched {
     }
 
     /// S z, and r at the pins [N].
-    fn forces(&self, system: &Lu, springs: &[Spring], pins: &[usize], before: &Solution) -> Vec<f64> {
+    fn forces(&self, system: &Lu, pins: &[usize], before: &Solution) -> Vec<f64> {
         let u = self.dofs.iter();
         let mut z: Vec<f64> = u.map(|dof| before.displacement[dof / 2][dof % 2]).collect();
         system.solve_in_place(&mut z);
@@ -241,7 +275,7 @@ impl Touched {
         for place in pins.iter().map(|dof| self.place[dof]) {
             forces[place] = std::mem::take(&mut z[place]);
         }
-        for spring in springs {
+        for spring in &self.springs {
             let elongation: f64 = spring.terms.iter().map(|&(place, w)| w * z[place]).sum();
             for &(place, w) in &spring.acting {
                 forces[place] += spring.stiffness * elongation * w;
@@ -267,6 +301,16 @@ impl Touched {
         }
         change
     }
+}
+
+/// u += scale · a.
+fn add(u: &mut [f64], scale: f64, a: &[f64]) {
+    u.iter_mut().zip(a).for_each(|(u, a)| *u += scale * a);
+}
+
+fn slice(column: ColRef<'_, f64>) -> &[f64] {
+    let column = column.try_as_col_major();
+    column.expect("stored by columns").as_slice()
 }
 
 /// When a factorisation is due: as soon as the next update would cost more than all since the last one

@@ -16,7 +16,7 @@ use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
@@ -122,7 +122,7 @@ impl Factor {
             .map(|block| {
                 let columns: Vec<usize> = block.iter().map(|&k| force_columns[k]).collect();
                 let x = self.between(&path, &columns);
-                Mat::from_fn(rows.len(), block.len(), |i, j| x[(places[i], j)])
+                Mat::from_fn(rows.len(), block.len(), |i, j| x[(j, places[i])])
             })
             .collect();
         let mut inverse = Mat::zeros(rows.len(), columns.len());
@@ -134,18 +134,21 @@ impl Factor {
         inverse
     }
 
-    /// K⁻¹ at the rows of the path for unit forces at some of its columns.
+    /// K⁻¹ at the rows of the path for unit forces at some of its columns; transposed, so that what all
+    /// right-hand sides have at one row lies together.
     fn between(&self, path: &Path, columns: &[usize]) -> Mat<f64> {
-        let mut x = Mat::zeros(path.rows, columns.len());
+        let mut x = Mat::zeros(columns.len(), path.rows);
         for (j, &column) in columns.iter().enumerate() {
-            x[(path.row(column), j)] = 1.0;
+            x[(j, path.row(column))] = 1.0;
         }
+        let most = path.steps.iter().map(|s| s.below.len()).max();
+        let mut beside = Mat::zeros(columns.len(), most.unwrap_or(0));
         let loaded = above(self.supernodes(), columns);
         for step in path.steps.iter().filter(|s| loaded.contains(&s.supernode)) {
-            self.step_up(step, &mut x);
+            self.step_up(step, x.as_mut(), beside.as_mut().subcols_mut(0, step.below.len()));
         }
         for step in path.steps.iter().rev() {
-            self.step_down(step, &mut x);
+            self.step_down(step, x.as_mut(), beside.as_mut().subcols_mut(0, step.below.len()));
         }
         x
     }
@@ -158,35 +161,35 @@ impl Factor {
         MatRef::from_column_major_slice(values, height, step.width).split_at_row(step.width)
     }
 
-    fn step_up(&self, step: &Step, x: &mut Mat<f64>) {
+    fn step_up(&self, step: &Step, mut x: MatMut<f64>, mut beside: MatMut<f64>) {
         let (diagonal, below) = self.blocks(step);
-        let mut own = x.as_mut().subrows_mut(step.first_row, step.width);
-        solve_lower_triangular_in_place(diagonal, own.as_mut(), Par::Seq);
-        let mut passed_on = Mat::<f64>::zeros(step.below.len(), x.ncols());
-        let own = x.subrows(step.first_row, step.width);
-        matmul(&mut passed_on, Accum::Replace, below, own, 1.0, Par::Seq);
-        for j in 0..x.ncols() {
-            for (i, &row) in step.below.iter().enumerate() {
-                x[(row as usize, j)] -= passed_on[(i, j)];
-            }
+        let mut own = x.as_mut().subcols_mut(step.first_row, step.width);
+        solve_lower_triangular_in_place(diagonal, own.as_mut().transpose_mut(), Par::Seq);
+        matmul(
+            beside.as_mut(),
+            Accum::Replace,
+            own.as_ref(),
+            below.transpose(),
+            1.0,
+            Par::Seq,
+        );
+        for (i, &row) in step.below.iter().enumerate() {
+            let passed_on = beside.as_ref().col(i).try_as_col_major();
+            let to = x.as_mut().col_mut(row as usize).try_as_col_major_mut();
+            let (to, passed_on) = to.zip(passed_on).expect("stored by columns");
+            let both = to.as_slice_mut().iter_mut().zip(passed_on.as_slice());
+            both.for_each(|(x, passed_on)| *x -= passed_on);
         }
     }
 
-    fn step_down(&self, step: &Step, x: &mut Mat<f64>) {
+    fn step_down(&self, step: &Step, x: MatMut<f64>, mut beside: MatMut<f64>) {
         let (diagonal, below) = self.blocks(step);
-        let above = Mat::from_fn(step.below.len(), x.ncols(), |i, j| {
-            x[(step.below[i] as usize, j)]
-        });
-        let mut own = x.as_mut().subrows_mut(step.first_row, step.width);
-        let transpose = below.transpose();
-        matmul(
-            own.as_mut(),
-            Accum::Add,
-            transpose,
-            above.as_ref(),
-            -1.0,
-            Par::Seq,
-        );
-        solve_upper_triangular_in_place(diagonal.transpose(), own, Par::Seq);
+        for (i, &row) in step.below.iter().enumerate() {
+            let above = x.as_ref().col(row as usize);
+            beside.as_mut().col_mut(i).copy_from(above);
+        }
+        let mut own = x.subcols_mut(step.first_row, step.width);
+        matmul(own.as_mut(), Accum::Add, beside.as_ref(), below, -1.0, Par::Seq);
+        solve_upper_triangular_in_place(diagonal.transpose(), own.transpose_mut(), Par::Seq);
     }
 }

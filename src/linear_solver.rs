@@ -10,6 +10,7 @@ mod metis;
 mod multifrontal;
 pub mod ordering;
 mod partial_pivoting;
+mod path;
 pub mod supernodes;
 mod triangular;
 

@@ -20,7 +20,7 @@ pub struct Phases {
 
 impl Phases {
     /// The phases of [`crate::statics::solve`].
-    pub const STATICS: [&'static str; 9] = [
+    pub const STATICS: [&'static str; 14] = [
         "support",
         "elements",
         "pattern",
@@ -30,6 +30,11 @@ impl Phases {
         "supports",
         "factorisation",
         "solution",
+        "active zone",
+        "stretches",
+        "loose parts",
+        "compliance",
+        "update",
     ];
 
     /// Runs `work` and records how long it takes.

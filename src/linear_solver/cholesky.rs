@@ -130,7 +130,7 @@ impl Factor {
     }
 
     /// The column of L that eliminates a dof.
-    pub(super) fn column(&self, dof: usize) -> usize {
+    pub fn column(&self, dof: usize) -> usize {
         self.structure.column(dof)
     }
 

@@ -2,17 +2,20 @@
 //! Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.
 
 use crate::fracture::control::{Ending, Resolution};
+use crate::output::profile;
 use crate::pipeline::folder;
-use crate::pipeline::fracture;
 use crate::pipeline::plan::Plan;
 use crate::pipeline::run::{self, Observer, Options, RunError, Standing};
+use crate::pipeline::scribe;
 use crate::pipeline::source::InputError;
 use crate::pipeline::stamp::Stage;
 use crate::statics::Estimate;
+use crate::trace::Trace;
 use crate::verification::{self, Check, Reference, table};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -59,6 +62,9 @@ enum Command {
         /// Factorise anew whenever bonds have broken: slow, to check the fast way against
         #[arg(long)]
         reference_solver: bool,
+        /// Write a profile of the run, for chrome://tracing or ui.perfetto.dev
+        #[arg(long, value_name = "FILE", conflicts_with = "dry_run")]
+        trace: Option<PathBuf>,
     },
     /// Validate, and print sizes and the memory and time to expect; writes nothing
     Check(Common),
@@ -133,6 +139,7 @@ pub fn main() -> ExitCode {
             dry_run,
             threads,
             reference_solver,
+            trace,
         } => {
             if let Some(threads) = threads {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
@@ -148,13 +155,13 @@ pub fn main() -> ExitCode {
                 },
                 ..Options::default()
             };
-            for_each(&common, |plan| {
-                if dry_run {
-                    announce(plan, &options)
-                } else {
-                    run_one(plan, &options)
-                }
-            })
+            if dry_run {
+                for_each(&common, |plan| announce(plan, &options))
+            } else if let Some(file) = trace {
+                run_traced(&common, options, &file)
+            } else {
+                for_each(&common, |plan| run_one(plan, &options))
+            }
         }
         Command::Check(common) => for_each(&common, check),
         Command::Status(common) => for_each(&common, |plan| list(plan, false)),
@@ -170,6 +177,48 @@ pub fn main() -> ExitCode {
             markdown,
         } => verify(quick, json, markdown),
     }
+}
+
+/// Runs, and writes the profile of what has run, even if it ends in an error.
+fn run_traced(common: &Common, options: Options, file: &Path) -> ExitCode {
+    if let Err(error) = check_trace(file) {
+        return report(error.into());
+    }
+    let begin = Instant::now();
+    let profiles = RefCell::new(Vec::new());
+    let code = for_each(common, |plan| {
+        let trace = Trace::since(begin);
+        profiles
+            .borrow_mut()
+            .push((plan.name.clone(), trace.clone()));
+        let options = Options {
+            trace,
+            ..options.clone()
+        };
+        run_one(plan, &options)
+    });
+    match profile::write(file, &profiles.into_inner()) {
+        Ok(()) => code,
+        Err(error) => report(error.into()),
+    }
+}
+
+/// A profile that could not be written is told before the run.
+fn check_trace(file: &Path) -> Result<(), InputError> {
+    let folder = file
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.unwrap_or(Path::new("."));
+    let (message, help) = if file.is_dir() {
+        let message = format!("--trace: {} is a folder", file.display());
+        (message, "name a file, such as trace.json")
+    } else if !folder.is_dir() {
+        let message = format!("--trace: there is no folder {}", folder.display());
+        (message, "make it, or name another place")
+    } else {
+        return Ok(());
+    };
+    Err(InputError::plain(message, Some(help.to_owned())))
 }
 
 /// A line per case as it is measured, then the table; fails if a check falls short.
@@ -407,7 +456,7 @@ fn print_summary(plan: &Plan, summary: &Value) {
     print_fracture(summary);
     print_reactions(&summary["reactions_n"]);
     if !summary["fracture"].is_null() {
-        println!("  {folder}/{}  (a line per step)", fracture::HISTORY_FILE);
+        println!("  {folder}/{}  (a line per step)", scribe::HISTORY_FILE);
     }
     for file in list("files")
         .iter()

@@ -6,6 +6,7 @@
 pub mod colour;
 pub mod field;
 pub mod picture;
+pub mod profile;
 pub mod pvd;
 pub mod vtu;
 

@@ -116,6 +116,14 @@ impl Part {
         Ok(write_whole(path, &bytes)?)
     }
 
+    /// What the numbers of the file take before they are packed [bytes].
+    pub fn raw_bytes(&self) -> u64 {
+        let [points, cells] = [self.points.len(), self.cells.len()];
+        let fields = self.point_data.iter().chain(&self.cell_data);
+        let fields: usize = fields.map(|field| field.values.raw_bytes()).sum();
+        (24 * points + 8 * self.connectivity.len() + 9 * cells + fields) as u64
+    }
+
     /// The file's content.
     pub fn to_bytes(&self) -> Result<Vec<u8>, VtuError> {
         self.check()?;

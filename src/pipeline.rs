@@ -8,7 +8,7 @@ mod damage_picture;
 mod drafter;
 mod files;
 pub mod folder;
-mod fracture;
+pub mod fracture;
 pub mod history;
 mod made;
 mod meshing;

@@ -5,6 +5,7 @@
 
 pub mod colour;
 pub mod field;
+mod packed;
 pub mod picture;
 pub mod profile;
 pub mod pvd;

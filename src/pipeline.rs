@@ -4,7 +4,7 @@
 mod bits;
 mod checkpoint;
 pub mod costs;
-mod damage_picture;
+pub mod damage_picture;
 mod drafter;
 mod files;
 pub mod folder;
@@ -23,6 +23,7 @@ pub mod run;
 pub mod scribe;
 pub mod solved;
 pub mod source;
+pub mod sources;
 pub mod spec;
 pub mod stamp;
 pub mod validate;

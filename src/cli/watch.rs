@@ -45,6 +45,9 @@ pub(super) fn watch(
     loop {
         // The first look finds what has changed since the pipelines were read: nothing.
         all.iter_mut().for_each(Watched::look);
+        if interrupts.recv_timeout(LOOK_EVERY).is_ok() {
+            return running.map_or(Ok(()), Running::end);
+        }
         running = match running {
             Some(run) => run.go_on(&all)?,
             None => None,
@@ -63,9 +66,6 @@ pub(super) fn watch(
                     since,
                 });
             }
-        }
-        if interrupts.recv_timeout(LOOK_EVERY).is_ok() {
-            return running.map_or(Ok(()), |run| run.end());
         }
     }
 }

@@ -123,7 +123,10 @@ fn a_saved_geometry_is_run_and_a_broken_one_told() {
     assert!(broken.contains("geo/plate.geo saved"), "{broken}");
     assert!(broken.contains("the input is wrong"), "{broken}");
     // Where, as Gmsh tells it.
-    assert!(broken.contains("geo/plate.geo:24: syntax error"), "{broken}");
+    assert!(
+        broken.contains("geo/plate.geo:24: syntax error"),
+        "{broken}"
+    );
     assert!(watching.is_alive());
     let kept = summary(&place);
 

@@ -6,6 +6,7 @@ mod compliance;
 pub mod lu;
 mod metis;
 pub mod ordering;
+mod path;
 
 use thiserror::Error;
 

@@ -216,7 +216,14 @@ impl<'a> Solver<'a> {
             let system = self.system(intact, pinned, mechanisms, phases);
             let factor = phases.measure("factorisation", || self.structure.factorise(&system.held));
             match factor {
-                Ok(factor) => return Ok(Factorised { system, factor }),
+                Ok(factor) => {
+                    return Ok(Factorised {
+                        system,
+                        factor,
+                        entries: self.structure.factor_entries(),
+                        flops: self.structure.flops(),
+                    });
+                }
                 // The set grows with every turn, so that the loop ends.
                 Err(SolverError::NotPositiveDefinite { dof } | SolverError::Singular { dof })
                     if mechanisms.insert(dof) => {}
@@ -236,7 +243,7 @@ impl<'a> Solver<'a> {
         mechanisms: &BTreeSet<usize>,
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
-        let Factorised { system, factor } = factorised;
+        let Factorised { system, factor, .. } = factorised;
         let solution = self.finish(system, &system.case(case), factor, phases);
         solution.map_err(|error| self.swings(error, mechanisms))
     }
@@ -344,6 +351,9 @@ fn kind(model: &Model, node: usize) -> &'static str {
 pub struct Factorised {
     system: System,
     factor: Factor,
+    /// Stored entries of the factor, and multiplications and additions that it took.
+    pub entries: usize,
+    pub flops: f64,
 }
 
 impl Factorised {
@@ -367,6 +377,34 @@ impl Factorised {
         Some(compliance)
     }
 
+    /// The place of a dof in the order of elimination, of Cholesky's factor.
+    pub fn elimination(&self, dof: usize) -> Option<usize> {
+        match &self.factor {
+            Factor::Cholesky(factor) => Some(factor.column(dof)),
+            Factor::Lu(_) => None,
+        }
+    }
+
+    /// K⁻¹ at `rows` for unit forces at `columns`, each of them among `rows` [m/N], without motion at held
+    /// dofs; from Cholesky's factor only.
+    pub fn compliance_between(&self, rows: &[usize], columns: &[usize]) -> Option<Mat<f64>> {
+        let Factor::Cholesky(factor) = &self.factor else {
+            return None;
+        };
+        let mut inverse = factor.inverse_between(rows, columns);
+        for (k, _) in rows.iter().enumerate().filter(|(_, d)| self.is_held(**d)) {
+            inverse.row_mut(k).fill(0.0);
+        }
+        for (k, _) in columns
+            .iter()
+            .enumerate()
+            .filter(|(_, d)| self.is_held(**d))
+        {
+            inverse.col_mut(k).fill(0.0);
+        }
+        Some(inverse)
+    }
+
     /// Overwrites forces [N] by the displacements [m] that they add, dof by dof, case after case.
     pub fn respond(&self, forces: &mut [f64], cases: usize) {
         let clear = |forces: &mut [f64]| {
@@ -388,39 +426,45 @@ impl Factorised {
         clear(forces);
     }
 
-    /// The solution of a case after springs have gone, from the one before, given how far each of them
-    /// would be elongated now [m].
+    /// How K⁻¹ answers to what springs that are gone would exert under these elongations [m].
+    pub fn respond_to_loss(&self, model: &Model, gone: &[(usize, f64)]) -> Vec<f64> {
+        let mut change = vec![0.0; self.dofs()];
+        for &(spring, elongation) in gone {
+            let force = model.springs.stiffness[spring] * elongation;
+            add_spring_force(&mut change, model, spring, force);
+        }
+        self.respond(&mut change, 1);
+        change
+    }
+
+    /// ‖f‖₂ of a case over the free dofs, prescribed displacements in f [N].
+    pub fn scale(&self, case: &Boundary) -> f64 {
+        self.system.scale(&self.system.case(case))
+    }
+
+    /// The solution of a case after springs have gone, from the one before and its change [m]; its residual
+    /// is relative to `scale`.
     pub fn without(
         &self,
         model: &Model,
-        case: &Boundary,
+        (case, scale): (&Boundary, f64),
         before: &Solution,
-        gone: &[(usize, f64)],
+        change: &[f64],
+        gone: &[usize],
     ) -> Solution {
         let (springs, positions) = (&model.springs, &model.positions);
-        let add = |force: &mut Vec<f64>, spring: usize, f: f64| {
-            springs.for_each_term(spring, positions, |node, w| {
-                force[2 * node as usize] += f * w[0];
-                force[2 * node as usize + 1] += f * w[1];
-            });
-        };
-        let mut change = vec![0.0; 2 * before.displacement.len()];
-        for &(spring, elongation) in gone {
-            add(&mut change, spring, springs.stiffness[spring] * elongation);
-        }
-        self.respond(&mut change, 1);
         let before_dofs = before.displacement.iter().flatten();
-        let u: Vec<f64> = before_dofs.zip(&change).map(|(u, c)| u + c).collect();
+        let u: Vec<f64> = before_dofs.zip(change).map(|(u, c)| u + c).collect();
         let displacement = vectors(&u);
         let case = self.system.case(case);
         let mut force = self.force(&u);
-        let rest = self.system.scale(&case);
-        for &(spring, _) in gone {
+        for &spring in gone {
             let elongation = springs.length(spring, positions)
                 * springs.stretch(spring, positions, &displacement);
-            add(&mut force, spring, -springs.stiffness[spring] * elongation);
+            let taken = -springs.stiffness[spring] * elongation;
+            add_spring_force(&mut force, model, spring, taken);
         }
-        let residual = norm(&case.residual(&force)) / rest;
+        let residual = norm(&case.residual(&force)) / scale;
         Solution {
             displacement,
             reaction: case.reaction(&force),
@@ -429,10 +473,31 @@ impl Factorised {
         }
     }
 
+    pub fn dofs(&self) -> usize {
+        self.system.is_held.len()
+    }
+
+    pub fn is_symmetric(&self) -> bool {
+        matches!(self.factor, Factor::Cholesky(_))
+    }
+
     /// K u [N].
     pub fn force(&self, displacement: &[f64]) -> Vec<f64> {
         self.system.stiffness.multiply(displacement)
     }
+}
+
+/// Adds f w, or what of it acts: [`Model::first_loaded_node`].
+fn add_spring_force(force: &mut [f64], model: &Model, spring: usize, f: f64) {
+    let first = model.first_loaded_node();
+    let (springs, positions) = (&model.springs, &model.positions);
+    springs.for_each_term(spring, positions, |node, w| {
+        let node = node as usize;
+        if node >= first {
+            force[2 * node] += f * w[0];
+            force[2 * node + 1] += f * w[1];
+        }
+    });
 }
 
 /// K with its supports.

@@ -114,14 +114,14 @@ fn steps_are_numbered_and_hold_their_phases() {
     let first = summary["fracture"]["first_break"]["step"]
         .as_u64()
         .expect("a step");
-    // Bonds have broken: the step that follows factorises anew.
+    // Bonds have broken: the step that follows solves anew.
     let of_step = |event: &&&Value| event["args"]["step"].as_u64() == Some(first + 1);
     let phases = complete(&events, "phase");
     let names: Vec<&str> = (phases.iter().filter(of_step))
         .map(|event| text(event, "name"))
         .collect();
     assert!(
-        names.contains(&"factorisation") && names.contains(&"solution"),
+        names.contains(&"solution") && names.contains(&"stretches"),
         "{names:?}"
     );
 }

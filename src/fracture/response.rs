@@ -10,17 +10,23 @@
 //!
 //! Under the event-driven control the response looks ahead (`active_zone.rs`): it knows a number
 //! of events that follow from one factorisation, and goes from one to the next without solving again.
+//! Elsewhere it is updated from the last factorisation (`update.rs`), one solution for each pass in which
+//! bonds broke.
 
 use super::active_zone::{Ahead, look_ahead};
 use super::control::{Control, Problem, Resolution, TIE};
 use super::event::{Bounds, Event, Load, is_at_limit};
 use super::functional::Values;
 use super::state::State;
+use super::update::Update;
 use crate::boundary::Boundary;
 use crate::model::Model;
 use crate::phases::Phases;
 use crate::statics::{Factorised, Solution, Solver, StaticsError};
 use rayon::prelude::*;
+
+/// A bond at this share of its limit may break soon.
+const NEAR: f64 = 0.8;
 
 /// u_held and u_unit of all nodes.
 #[derive(Clone)]
@@ -88,6 +94,11 @@ pub struct Response {
     /// The events that follow, and which of them is next.
     ahead: Option<Ahead>,
     next: usize,
+    update: Option<Update>,
+    /// Bonds that were near their limit when they were last asked for, and what all of them allow where
+    /// none was over it.
+    near: Vec<usize>,
+    carries: Option<Bounds>,
 }
 
 impl Response {
@@ -111,14 +122,28 @@ impl Response {
             solved,
             ahead: None,
             next: 0,
+            update: None,
+            near: Vec::new(),
+            carries: None,
         };
-        let looks_ahead =
-            problem.control == Control::EventDriven && problem.resolution == Resolution::Fast;
-        if looks_ahead && let Event::Break(load) = response.next_event(problem, state) {
+        if problem.resolution == Resolution::Reference {
+            return Ok(response);
+        }
+        if problem.control == Control::EventDriven
+            && factorised.is_symmetric()
+            && let Event::Break(load) = response.next_event(problem, state)
+        {
             response.ahead = phases.measure("active zone", || {
                 let (solved, values) = (&response.solved, &response.values);
                 look_ahead(problem, state, factorised, solved, values, load)
             });
+        } else {
+            response.update = Some(Update::new(
+                problem,
+                factorised,
+                response.solved.clone(),
+                state,
+            ));
         }
         Ok(response)
     }
@@ -134,20 +159,37 @@ impl Response {
         state: &mut State,
         phases: &mut Phases,
     ) -> Result<(), StaticsError> {
-        if self.is_last() {
-            // Two factors at a time are more than may fit.
-            self.ahead = None;
-            *self = Response::new(solver, problem, state, phases)?;
-        } else {
+        if self.foresees_next() {
             self.next += 1;
+            return Ok(());
         }
+        if let Some(update) = &mut self.update
+            && let Some(solved) = update.renew(problem, state, &self.near, phases)
+        {
+            self.carries = None;
+            self.values = solved.values(problem);
+            self.solved = solved;
+            return Ok(());
+        }
+        // Two factors at a time are more than may fit.
+        (self.ahead, self.update) = (None, None);
+        *self = Response::new(solver, problem, state, phases)?;
         Ok(())
     }
 
-    /// Whether a new factorisation follows the next event.
-    pub fn is_last(&self) -> bool {
+    /// Whether the response after the next event is known already.
+    pub fn foresees_next(&self) -> bool {
         let ahead = self.ahead.as_ref();
-        ahead.is_none_or(|ahead| self.next + 1 == ahead.count())
+        ahead.is_some_and(|ahead| self.next + 1 < ahead.count())
+    }
+
+    /// Whether a run that begins with `state`, and so with a factorisation, goes on with the same bits.
+    pub fn is_reproducible(&self, state: &State) -> bool {
+        match (&self.ahead, &self.update) {
+            (Some(_), _) => !self.foresees_next(),
+            (None, Some(update)) => update.is_reproducible(state),
+            (None, None) => true,
+        }
     }
 
     fn now(&self) -> Option<(&Ahead, usize)> {
@@ -188,21 +230,41 @@ impl Response {
         if let Some((ahead, next)) = self.now() {
             return Event::Break(ahead.moment(next).load);
         }
-        let last = state.load.factor;
+        let end = problem.programme.phases[state.phase].end;
+        let bounds = self.bounds(problem, state);
+        bounds.event(state.load.factor, end)
+    }
+
+    /// What the intact bonds allow.
+    fn bounds(&self, problem: &Problem, state: &State) -> Bounds {
         let of = |s| {
-            Bounds::of(
-                self.solved.stretches(problem, s),
-                problem.limits.of(s),
-                last,
-            )
+            let stretches = self.solved.stretches(problem, s);
+            Bounds::of(stretches, problem.limits.of(s), state.load.factor)
         };
-        let bounds = (0..problem.model.springs.len())
-            .into_par_iter()
-            .filter(|&s| state.intact[s])
-            .map(of)
-            // Maxima and minima: the same in any order.
-            .reduce(|| Bounds::NONE, Bounds::and);
-        bounds.event(last, problem.programme.phases[state.phase].end)
+        // Maxima and minima: the same in any order.
+        let all = intact(problem, state).map(of);
+        all.reduce(|| Bounds::NONE, Bounds::and)
+    }
+
+    /// Intact bonds that are over their limit under a load.
+    pub fn bonds_over_limit(&mut self, problem: &Problem, state: &State, load: Load) -> Vec<usize> {
+        if self.carries.is_some_and(|bounds| bounds.allow(load)) {
+            return Vec::new();
+        }
+        let is_near = |&s: &usize| {
+            let stretch = load.combine(self.solved.rough_stretches(problem, s));
+            problem.limits.of(s).is_exceeded(stretch / NEAR)
+        };
+        let is_over = |&s: &usize| {
+            let stretch = load.combine(self.solved.stretches(problem, s));
+            problem.limits.of(s).is_exceeded(stretch)
+        };
+        self.near = intact(problem, state).filter(is_near).collect();
+        let over: Vec<usize> = self.near.iter().copied().filter(is_over).collect();
+        if over.is_empty() {
+            self.carries = Some(self.bounds(problem, state));
+        }
+        over
     }
 
     /// Bonds at their limit, or within a small share of it and bound to reach it.
@@ -214,12 +276,16 @@ impl Response {
             let stretches = self.solved.stretches(problem, s);
             is_at_limit(stretches, problem.limits.of(s), load, TIE)
         };
-        (0..problem.model.springs.len())
-            .into_par_iter()
-            .filter(|&s| state.intact[s])
-            .filter(reaches)
-            .collect()
+        intact(problem, state).filter(reaches).collect()
     }
+}
+
+fn intact<'a>(
+    problem: &Problem,
+    state: &'a State,
+) -> impl ParallelIterator<Item = usize> + use<'a> {
+    let springs = (0..problem.model.springs.len()).into_par_iter();
+    springs.with_min_len(4096).filter(|&s| state.intact[s])
 }
 
 fn solve(

@@ -367,16 +367,18 @@ impl Writer<'_, '_> {
         } = &plan.output;
         let is_pictured = pictures_at.contains(&state.step);
         let wants_frame = first_break || is_pictured || state.step.is_multiple_of(*every);
-        let frame = match (wants_frame, response.is_last()) {
+        let frame = match (wants_frame, response.foresees_next()) {
             (false, _) => None,
-            (true, true) => self.chronicle.frame(state),
-            (true, false) => {
+            (true, false) => self.chronicle.frame(state),
+            (true, true) => {
                 let mut whole = state.clone();
                 whole.settle(problem, response);
                 self.chronicle.frame(&whole)
             }
         };
-        let checkpoint = response.is_last().then(|| self.chronicle.checkpoint(state));
+        let checkpoint = response
+            .is_reproducible(state)
+            .then(|| self.chronicle.checkpoint(state));
         self.give(Order {
             line: Some((self.chronicle.csv(&line), line)),
             frame,

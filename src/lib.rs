@@ -160,4 +160,5 @@ pub mod pipeline;
 pub mod springs;
 pub mod statics;
 pub mod support;
+pub mod trace;
 pub mod verification;

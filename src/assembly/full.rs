@@ -125,6 +125,17 @@ impl FullPattern {
         springs: &Springs,
         equations: &[Equations],
     ) -> FullMatrix {
+        self.assemble_intact(positions, springs, |_| true, equations)
+    }
+
+    /// The same with those springs alone that are intact.
+    pub fn assemble_intact(
+        &self,
+        positions: &[[f64; 2]],
+        springs: &Springs,
+        is_intact: impl Fn(usize) -> bool + Sync,
+        equations: &[Equations],
+    ) -> FullMatrix {
         let mut values = vec![0.0; self.stored_entries()];
         self.columns_mut(&mut values)
             .into_par_iter()
@@ -136,8 +147,9 @@ impl FullPattern {
                     rows: self.rows.of(node),
                     values,
                 };
-                for &s in self.springs_at.of(node) {
-                    column.add_spring(springs, s as usize, positions, self.first_point);
+                let springs_here = self.springs_at.of(node).iter().map(|&s| s as usize);
+                for s in springs_here.filter(|&s| is_intact(s)) {
+                    column.add_spring(springs, s, positions, self.first_point);
                 }
                 for &e in self.equations_at.of(node) {
                     column.add_equations(&equations[e as usize]);

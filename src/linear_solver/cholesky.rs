@@ -5,6 +5,7 @@ use super::ordering::{Ordering, dof_permutation, elimination_order};
 use crate::assembly::{Lists, LowerMatrix};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
+use faer::perm::Perm;
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
@@ -57,7 +58,17 @@ impl Symbolic {
         pattern: SymbolicSparseColMatRef<'_, u32>,
         order: Option<&[u32]>,
     ) -> Result<Symbolic, SolverError> {
-        let permutation = order.map(dof_permutation);
+        Symbolic::with_permutation(pattern, order.map(|order| dof_permutation(order, 2)))
+    }
+
+    /// `permutation`: of the dofs as they are eliminated; `None` leaves it to faer's AMD.
+    ///
+    /// # Errors
+    /// See [`SolverError`].
+    pub fn with_permutation(
+        pattern: SymbolicSparseColMatRef<'_, u32>,
+        permutation: Option<Perm<u32>>,
+    ) -> Result<Symbolic, SolverError> {
         let ordering = match &permutation {
             Some(permutation) => SymmetricOrdering::Custom(permutation.as_ref()),
             None => SymmetricOrdering::Amd,

@@ -57,7 +57,7 @@ impl Symbolic {
         ]);
         let mut memory = MemBuffer::try_new(scratch).map_err(|_| out_of_memory())?;
         let stack = MemStack::new(&mut memory);
-        let order = postordered(pattern, dof_permutation(order), stack);
+        let order = postordered(pattern, dof_permutation(order, 2), stack);
         let mut parents = vec![0; n];
         let tree = col_etree(pattern, Some(order.as_ref()), &mut parents, stack);
         let mut post = vec![0; n];

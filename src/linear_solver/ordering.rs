@@ -26,17 +26,18 @@ pub fn elimination_order(ordering: Ordering, graph: &Lists) -> Result<Option<Vec
     Ok(Some(postordered(graph, &order)))
 }
 
-/// The permutation of the dofs that goes with an order of the nodes.
-pub fn dof_permutation(order: &[u32]) -> Perm<u32> {
+/// The permutation of the dofs that goes with an order of the nodes, so many `per_node`.
+pub fn dof_permutation(order: &[u32], per_node: usize) -> Perm<u32> {
+    let count = per_node as u32;
     let forward: Vec<u32> = order
         .iter()
-        .flat_map(|&node| [2 * node, 2 * node + 1])
+        .flat_map(|&node| count * node..count * (node + 1))
         .collect();
     let mut inverse = vec![0; forward.len()];
     for (new, &old) in forward.iter().enumerate() {
         inverse[old as usize] = new as u32;
     }
-    Perm::new_checked(forward.into(), inverse.into(), 2 * order.len())
+    Perm::new_checked(forward.into(), inverse.into(), per_node * order.len())
 }
 
 /// Reorders along the elimination tree, children before parents and each subtree in one piece:

@@ -26,11 +26,17 @@ const SIDES: [&str; 2] = ["bottom", "top"];
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
-    let side = arguments.iter().find_map(|a| a.parse().ok()).unwrap_or(1000);
+    let side = arguments
+        .iter()
+        .find_map(|a| a.parse().ok())
+        .unwrap_or(1000);
     let method = Method::ALL
         .into_iter()
         .find(|method| arguments.iter().any(|a| a == method.describe()));
-    println!("{side} × {side} points\n{:<16} {:>8} {:>10}", "phase", "s", "peak MB");
+    println!(
+        "{side} × {side} points\n{:<16} {:>8} {:>10}",
+        "phase", "s", "peak MB"
+    );
     let model = step("discretisation", || plate(side));
     let boundary = step("boundary", || loads(&model));
     step("support", || {
@@ -42,7 +48,9 @@ fn main() {
         Solver::with_method(&model, &boundary, method, &mut phases).expect("a structure")
     });
     let solution = step("solve", || {
-        solver.solve(&model.intact, &[], &mut phases).expect("a solution")
+        solver
+            .solve(&model.intact, &[], &mut phases)
+            .expect("a solution")
     });
     for phase in &phases.list {
         println!("  {:<14} {:>8.2}", phase.name, phase.time.as_secs_f64());
@@ -60,7 +68,10 @@ fn step<T>(name: &str, work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let result = work();
     let megabytes = peak_memory().unwrap_or(0) as f64 / 1e6;
-    println!("{name:<16} {:>8.2} {megabytes:>10.0}", start.elapsed().as_secs_f64());
+    println!(
+        "{name:<16} {:>8.2} {megabytes:>10.0}",
+        start.elapsed().as_secs_f64()
+    );
     result
 }
 
@@ -107,7 +118,10 @@ fn plate(side: usize) -> Model {
 /// The edges of the outline at this height [m].
 fn edges_at(mesh: &Mesh, y: f64) -> Vec<Edge> {
     let all: Vec<usize> = (0..mesh.cells.len()).collect();
-    let is_there = |edge: &Edge| edge.nodes().all(|node| (mesh.nodes[node][1] - y).abs() < 1e-9);
+    let is_there = |edge: &Edge| {
+        edge.nodes()
+            .all(|node| (mesh.nodes[node][1] - y).abs() < 1e-9)
+    };
     let outline = mesh.outline(&all).into_iter();
     outline.filter(is_there).collect()
 }

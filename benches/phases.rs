@@ -6,9 +6,9 @@
 
 use faer::Par;
 use peristitch::assembly::{ElementStiffness, LowerMatrix, Pattern};
+use peristitch::geometry::Outline;
 use peristitch::linear_solver::cholesky::Symbolic;
 use peristitch::linear_solver::ordering::{Ordering, elimination_order};
-use peristitch::geometry::Outline;
 use peristitch::material::{Material, PlaneState};
 use peristitch::peridynamics::bonds::bonds;
 use peristitch::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};

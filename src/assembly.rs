@@ -49,7 +49,10 @@ impl LowerMatrix {
 
     /// The pattern, and the values to change.
     pub fn parts_mut(&mut self) -> (SymbolicSparseColMatRef<'_, u32>, &mut [f64]) {
-        (SymbolicSparseColMat::as_ref(&self.symbolic), Arc::<Vec<f64>>::make_mut(&mut self.values))
+        (
+            SymbolicSparseColMat::as_ref(&self.symbolic),
+            Arc::<Vec<f64>>::make_mut(&mut self.values),
+        )
     }
 
     /// The matrix, the part above the diagonal included, times u. What a part of the columns adds is

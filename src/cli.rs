@@ -2,6 +2,7 @@
 //! Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.
 
 use crate::fracture::control::{Ending, Resolution};
+use crate::linear_solver::Method;
 use crate::pipeline::folder;
 use crate::pipeline::fracture;
 use crate::pipeline::plan::Plan;
@@ -351,7 +352,7 @@ fn list(plan: &Plan, reasons_too: bool) -> Result<(), RunError> {
 
 fn check(plan: &Plan) -> Result<(), RunError> {
     let (model, boundary, extract) = run::discretised(plan, &Options::default())?;
-    let estimate = Estimate::new(&model, &boundary)?;
+    let estimate = Estimate::new(&model, &boundary, plan.loading.is_some())?;
     println!("{}: sound", plan.name);
     println!(
         "  mesh              Gmsh {}, {} groups",
@@ -376,10 +377,16 @@ fn check(plan: &Plan) -> Result<(), RunError> {
         );
     }
     println!("  unknowns          {}", estimate.dofs);
-    println!(
-        "  factor            {} entries, {:.2e} flops",
-        estimate.factor_entries, estimate.flops
-    );
+    match estimate.method {
+        Method::Direct => println!(
+            "  factor            {} entries, {:.2e} flops",
+            estimate.factor_entries, estimate.flops
+        ),
+        Method::TwoLevel => println!(
+            "  solver            two levels, conjugate gradients; {:.1e} entries in the coarse factor",
+            estimate.factor_entries as f64
+        ),
+    }
     println!(
         "  to expect         {}, {}",
         megabytes(estimate.bytes),

@@ -5,10 +5,12 @@
 
 mod active_zone;
 pub mod control;
+mod dense;
 pub mod event;
 pub mod failure;
 pub mod functional;
 pub mod programme;
 pub mod response;
 pub mod state;
+mod update;
 mod zone;

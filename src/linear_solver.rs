@@ -7,6 +7,7 @@ mod compliance;
 pub mod lu;
 mod metis;
 pub mod ordering;
+mod path;
 pub mod two_level;
 
 use crate::assembly::Lists;
@@ -43,7 +44,8 @@ impl Method {
 
     /// By what L would take.
     pub fn choose(graph: &Lists) -> Method {
-        if expected_factor_entries(graph) <= MOST_FACTOR_ENTRIES {
+        let links = graph.parts().1.len();
+        if expected_factor_entries(graph.len(), links) <= MOST_FACTOR_ENTRIES {
             Method::Direct
         } else {
             Method::TwoLevel
@@ -61,10 +63,9 @@ impl Method {
 
 /// Entries of L that nested dissection leaves of a graph in the plane of n nodes with d neighbours each,
 /// some 3 n d (log2(n/d) − 2): the law is George's (1973), the numbers are fitted to lattices
-/// (docs/performance.md). Two dofs per node.
-pub fn expected_factor_entries(graph: &Lists) -> f64 {
-    let nodes = graph.len() as f64;
-    let links = graph.parts().1.len() as f64;
+/// (docs/performance.md). Two dofs per node; `links`: n d.
+pub fn expected_factor_entries(nodes: usize, links: usize) -> f64 {
+    let (nodes, links) = (nodes as f64, links as f64);
     3.07 * links * ((nodes * nodes / links).log2() - 2.0).max(1.0)
 }
 

@@ -256,6 +256,15 @@ impl Model {
         self.node_count() - self.areas.len()
     }
 
+    /// Forces act on the nodes from this one on. Under a splice that is the first material point: what a
+    /// spring exerts on the elements' nodes is in their own equations.
+    pub fn first_loaded_node(&self) -> usize {
+        match self.splice {
+            Some(_) => self.fe_node_count(),
+            None => 0,
+        }
+    }
+
     /// Lower left and upper right corner of the box around the body [m]: material points may lie
     /// dx/2 within it.
     pub fn bounds(&self) -> [[f64; 2]; 2] {

@@ -1,18 +1,20 @@
 //! One static solve, without artificial damping: K U = R, Qian et al. (2021), eq. (11).
 
+mod estimate;
 mod structure;
 
 use crate::assembly::stiffness::Stiffness;
 use crate::boundary::Boundary;
 use crate::linear_solver::{Factor, Method, SolverError};
 use crate::model::Model;
-use crate::phases::{Phases, peak_memory};
+use crate::phases::Phases;
 use crate::support::{self, NotHeld};
 use faer::Mat;
 use std::collections::{BTreeMap, BTreeSet};
-use std::time::Duration;
 use structure::Structure;
 use thiserror::Error;
+
+pub use estimate::Estimate;
 
 /// Displacements of all nodes, and what holds them.
 #[derive(Clone, Debug)]
@@ -43,11 +45,18 @@ impl SystemSize {
     /// As numbers, to be kept.
     pub fn numbers(self) -> [usize; 4] {
         let method = usize::from(self.method == Method::TwoLevel);
-        [self.dofs, self.stiffness_entries, self.factor_entries, method]
+        [
+            self.dofs,
+            self.stiffness_entries,
+            self.factor_entries,
+            method,
+        ]
     }
 
     /// From [`SystemSize::numbers`].
-    pub fn from_numbers([dofs, stiffness_entries, factor_entries, method]: [usize; 4]) -> SystemSize {
+    pub fn from_numbers(
+        [dofs, stiffness_entries, factor_entries, method]: [usize; 4],
+    ) -> SystemSize {
         SystemSize {
             dofs,
             stiffness_entries,
@@ -107,41 +116,6 @@ fn residual_goal(method: Method) -> f64 {
 }
 
 const MOST_REFINEMENTS: usize = 3;
-
-/// What a solve will cost, from the structure of L alone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    pub dofs: usize,
-    pub factor_entries: usize,
-    /// Of the numeric factorisation.
-    pub flops: f64,
-    /// Peak memory.
-    pub bytes: u64,
-    pub time: Duration,
-}
-
-/// Flops per second of the factorisation, and entries of K per second of everything else: fitted to
-/// lattices of 16 000 to 258 000 dofs on two cores with AVX-512. A rough guide elsewhere.
-const FACTOR_RATE: f64 = 2e10;
-const ENTRY_RATE: f64 = 3e6;
-
-impl Estimate {
-    /// # Errors
-    /// [`SolverError::Ordering`], [`SolverError::OutOfMemory`].
-    pub fn new(model: &Model, boundary: &Boundary) -> Result<Estimate, StaticsError> {
-        let structure = Structure::new(model, None, &mut Phases::default())?;
-        let factor_entries = structure.factor_entries();
-        let entries = structure.stiffness_entries() as f64;
-        let seconds = structure.flops() / FACTOR_RATE + entries / ENTRY_RATE;
-        Ok(Estimate {
-            dofs: boundary.load.len(),
-            factor_entries,
-            flops: structure.flops(),
-            bytes: peak_memory().unwrap_or(0) + 8 * factor_entries as u64,
-            time: Duration::from_secs_f64(seconds),
-        })
-    }
-}
 
 /// Assembles and solves once, initial cracks open.
 ///
@@ -258,7 +232,14 @@ impl<'a> Solver<'a> {
         loop {
             let system = self.system(intact, pinned, mechanisms, phases);
             match self.factorise(&system, phases) {
-                Ok(factor) => return Ok(Factorised { system, factor }),
+                Ok(factor) => {
+                    return Ok(Factorised {
+                        system,
+                        factor,
+                        entries: self.structure.factor_entries(),
+                        flops: self.structure.flops(),
+                    });
+                }
                 // The set grows with every turn, so that the loop ends.
                 Err(SolverError::NotPositiveDefinite { dof } | SolverError::Singular { dof })
                     if mechanisms.insert(dof) => {}
@@ -280,7 +261,7 @@ impl<'a> Solver<'a> {
         mechanisms: &BTreeSet<usize>,
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
-        let Factorised { system, factor } = factorised;
+        let Factorised { system, factor, .. } = factorised;
         let solution = self.finish(system, &system.case(case), factor, guess, phases);
         solution.map_err(|error| self.swings(error, mechanisms))
     }
@@ -324,7 +305,8 @@ impl<'a> Solver<'a> {
             stiffness, is_held, ..
         } = system;
         let positions = &self.model.positions;
-        self.structure.factorise(positions, stiffness, is_held, phases)
+        self.structure
+            .factorise(positions, stiffness, is_held, phases)
     }
 
     fn finish(
@@ -399,6 +381,9 @@ fn kind(model: &Model, node: usize) -> &'static str {
 pub struct Factorised {
     system: System,
     factor: Factor,
+    /// Stored entries of the factor, and multiplications and additions that it took.
+    pub entries: usize,
+    pub flops: f64,
 }
 
 impl Factorised {
@@ -420,6 +405,26 @@ impl Factorised {
             }
         }
         Some(compliance)
+    }
+
+    /// K⁻¹ at `rows` for unit forces at `columns`, each of them among `rows` [m/N], without motion at held
+    /// dofs; from Cholesky's factor only.
+    pub fn compliance_between(&self, rows: &[usize], columns: &[usize]) -> Option<Mat<f64>> {
+        let Factor::Cholesky(factor) = &self.factor else {
+            return None;
+        };
+        let mut inverse = factor.inverse_between(rows, columns);
+        for (k, _) in rows.iter().enumerate().filter(|(_, d)| self.is_held(**d)) {
+            inverse.row_mut(k).fill(0.0);
+        }
+        for (k, _) in columns
+            .iter()
+            .enumerate()
+            .filter(|(_, d)| self.is_held(**d))
+        {
+            inverse.col_mut(k).fill(0.0);
+        }
+        Some(inverse)
     }
 
     /// Overwrites forces [N] by the displacements [m] that they add, dof by dof, case after case.
@@ -445,39 +450,39 @@ impl Factorised {
         clear(forces);
     }
 
-    /// The solution of a case after springs have gone, from the one before, given how far each of them
-    /// would be elongated now [m].
+    /// How K⁻¹ answers to what springs that are gone would exert under these elongations [m].
+    pub fn respond_to_loss(&self, model: &Model, gone: &[(usize, f64)]) -> Vec<f64> {
+        let mut change = vec![0.0; self.dofs()];
+        for &(spring, elongation) in gone {
+            let force = model.springs.stiffness[spring] * elongation;
+            add_spring_force(&mut change, model, spring, force);
+        }
+        self.respond(&mut change, 1);
+        change
+    }
+
+    /// The solution of a case after springs have gone, from the one before and its change [m].
     pub fn without(
         &self,
         model: &Model,
         case: &Boundary,
         before: &Solution,
-        gone: &[(usize, f64)],
+        change: &[f64],
+        gone: &[usize],
     ) -> Solution {
         let (springs, positions) = (&model.springs, &model.positions);
-        let add = |force: &mut Vec<f64>, spring: usize, f: f64| {
-            springs.for_each_term(spring, positions, |node, w| {
-                force[2 * node as usize] += f * w[0];
-                force[2 * node as usize + 1] += f * w[1];
-            });
-        };
-        let mut change = vec![0.0; 2 * before.displacement.len()];
-        for &(spring, elongation) in gone {
-            add(&mut change, spring, springs.stiffness[spring] * elongation);
-        }
-        self.respond(&mut change, 1);
         let before_dofs = before.displacement.iter().flatten();
-        let u: Vec<f64> = before_dofs.zip(&change).map(|(u, c)| u + c).collect();
+        let u: Vec<f64> = before_dofs.zip(change).map(|(u, c)| u + c).collect();
         let displacement = vectors(&u);
         let case = self.system.case(case);
         let mut force = self.force(&u);
-        let rest = self.system.scale(&case);
-        for &(spring, _) in gone {
+        for &spring in gone {
             let elongation = springs.length(spring, positions)
                 * springs.stretch(spring, positions, &displacement);
-            add(&mut force, spring, -springs.stiffness[spring] * elongation);
+            let taken = -springs.stiffness[spring] * elongation;
+            add_spring_force(&mut force, model, spring, taken);
         }
-        let residual = norm(&case.residual(&force)) / rest;
+        let residual = norm(&case.residual(&force)) / self.system.scale(&case);
         Solution {
             displacement,
             reaction: case.reaction(&force),
@@ -486,10 +491,36 @@ impl Factorised {
         }
     }
 
+    pub fn dofs(&self) -> usize {
+        self.system.is_held.len()
+    }
+
+    /// Whether there are factors, which answer to many forces at little cost.
+    pub fn is_direct(&self) -> bool {
+        self.factor.method() == Method::Direct
+    }
+
+    pub fn is_symmetric(&self) -> bool {
+        matches!(self.factor, Factor::Cholesky(_))
+    }
+
     /// K u [N].
     pub fn force(&self, displacement: &[f64]) -> Vec<f64> {
         self.system.stiffness.multiply(displacement)
     }
+}
+
+/// Adds f w, or what of it acts: [`Model::first_loaded_node`].
+fn add_spring_force(force: &mut [f64], model: &Model, spring: usize, f: f64) {
+    let first = model.first_loaded_node();
+    let (springs, positions) = (&model.springs, &model.positions);
+    springs.for_each_term(spring, positions, |node, w| {
+        let node = node as usize;
+        if node >= first {
+            force[2 * node] += f * w[0];
+            force[2 * node + 1] += f * w[1];
+        }
+    });
 }
 
 /// K with its supports.
@@ -553,12 +584,7 @@ impl System {
     }
 
     /// The displacements, dof by dof [m], and the relative residual.
-    fn solve(
-        &self,
-        case: &Case,
-        factor: &Factor,
-        guess: Option<&[[f64; 2]]>,
-    ) -> (Vec<f64>, f64) {
+    fn solve(&self, case: &Case, factor: &Factor, guess: Option<&[[f64; 2]]>) -> (Vec<f64>, f64) {
         let mut u: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
         let mut residual = self.residual(case, &u);
         let scale = norm(&residual);

@@ -56,7 +56,10 @@ fn hold(
 ) {
     let mut rest = values;
     let mut part = |columns: Range<usize>| {
-        let (start, end) = (symbolic.col_ptr()[columns.start], symbolic.col_ptr()[columns.end]);
+        let (start, end) = (
+            symbolic.col_ptr()[columns.start],
+            symbolic.col_ptr()[columns.end],
+        );
         let (values, after) = std::mem::take(&mut rest).split_at_mut((end - start) as usize);
         rest = after;
         (columns, values)

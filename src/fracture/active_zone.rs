@@ -23,7 +23,8 @@ use super::functional::Values;
 use super::response::Solutions;
 use super::state::State;
 use super::zone::{Front, Zone};
-use crate::statics::Factorised;
+use crate::boundary::Boundary;
+use crate::statics::{Factorised, Solution};
 use rayon::prelude::*;
 
 /// Bonds outside the zone that come nearer to their limit are not outside.
@@ -109,9 +110,13 @@ fn recover(
     let (model, programme) = (problem.model, problem.programme);
     let unit = &programme.phases[phase].boundary;
     let held = (base.held.as_ref()).zip(programme.held(phase));
+    let after = |case: usize, boundary: &Boundary, before: &Solution| {
+        let change = factorised.respond_to_loss(model, &elongation(case));
+        factorised.without(model, boundary, before, &change, gone)
+    };
     Solutions {
-        unit: factorised.without(model, unit, &base.unit, &elongation(1)),
-        held: held.map(|(u, case)| factorised.without(model, &case, u, &elongation(0))),
+        unit: after(1, unit, &base.unit),
+        held: held.map(|(u, case)| after(0, &case, u)),
     }
 }
 

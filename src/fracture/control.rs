@@ -147,10 +147,10 @@ pub fn run<E: From<StaticsError>>(
         let mut record = Record::default();
         let last_broken = loop {
             state.advance(problem, &response, load);
-            if response.is_last() {
+            let broken = break_bonds(problem, state, &response, load, phases);
+            if !response.foresees_next() {
                 state.settle(problem, &response);
             }
-            let broken = break_bonds(problem, state, &response, load);
             record.broken += broken;
             record.passes += 1;
             record.residual = f64::max(record.residual, response.residual());
@@ -165,7 +165,7 @@ pub fn run<E: From<StaticsError>>(
         observe(state, record, &response)?;
         let is_new_phase = state.begin_phase_if_due(problem.model, problem.programme);
         if let Some(ending) = ending(problem, state) {
-            if !response.is_last() {
+            if response.foresees_next() {
                 state.settle(problem, &response);
             }
             return Ok(ending);
@@ -220,11 +220,18 @@ fn next_load(problem: &Problem, state: &State, response: &Response) -> Option<Lo
     }
 }
 
-fn break_bonds(problem: &Problem, state: &mut State, response: &Response, load: Load) -> usize {
-    let bonds = match problem.control {
+fn break_bonds(
+    problem: &Problem,
+    state: &mut State,
+    response: &Response,
+    load: Load,
+    phases: &mut Phases,
+) -> usize {
+    let bonds = phases.measure("stretches", || match problem.control {
         Control::EventDriven => response.bonds_at_limit(problem, state, load),
-        _ => state.exceeded(problem.model, problem.limits),
-    };
-    let foreseen = (!response.is_last()).then_some(response);
-    state.break_bonds(problem, &bonds, foreseen)
+        _ => response.bonds_over_limit(problem, state, load),
+    });
+    phases.measure("loose parts", || {
+        state.break_bonds(problem, response, &bonds)
+    })
 }

@@ -10,17 +10,24 @@
 //!
 //! Under the event-driven control the response looks ahead (`active_zone.rs`): it knows a number
 //! of events that follow from one factorisation, and goes from one to the next without solving again.
+//! Elsewhere it is updated from the last factorisation (`update.rs`), one solution for each pass in which
+//! bonds broke. Without factors, on a large lattice, conjugate gradients start from what the state was last
+//! settled to.
 
 use super::active_zone::{Ahead, look_ahead};
 use super::control::{Control, Problem, Resolution, TIE};
 use super::event::{Bounds, Event, Load, is_at_limit};
 use super::functional::Values;
 use super::state::State;
+use super::update::Update;
 use crate::boundary::Boundary;
 use crate::model::Model;
 use crate::phases::Phases;
 use crate::statics::{Factorised, Solution, Solver, StaticsError};
 use rayon::prelude::*;
+
+/// A rough stretch of this share of the limit calls for an exact one.
+const NEAR: f64 = 0.999;
 
 /// u_held and u_unit of all nodes.
 #[derive(Clone)]
@@ -88,6 +95,7 @@ pub struct Response {
     /// The events that follow, and which of them is next.
     ahead: Option<Ahead>,
     next: usize,
+    update: Option<Update>,
 }
 
 impl Response {
@@ -111,14 +119,21 @@ impl Response {
             solved,
             ahead: None,
             next: 0,
+            update: None,
         };
-        let looks_ahead =
-            problem.control == Control::EventDriven && problem.resolution == Resolution::Fast;
-        if looks_ahead && let Event::Break(load) = response.next_event(problem, state) {
+        if problem.resolution == Resolution::Reference || !factorised.is_direct() {
+            return Ok(response);
+        }
+        if problem.control == Control::EventDriven
+            && factorised.is_symmetric()
+            && let Event::Break(load) = response.next_event(problem, state)
+        {
             response.ahead = phases.measure("active zone", || {
                 let (solved, values) = (&response.solved, &response.values);
                 look_ahead(problem, state, factorised, solved, values, load)
             });
+        } else {
+            response.update = Some(Update::new(factorised, response.solved.clone(), state));
         }
         Ok(response)
     }
@@ -134,20 +149,36 @@ impl Response {
         state: &mut State,
         phases: &mut Phases,
     ) -> Result<(), StaticsError> {
-        if self.is_last() {
-            // Two factors at a time are more than may fit.
-            self.ahead = None;
-            *self = Response::new(solver, problem, state, phases)?;
-        } else {
+        if self.foresees_next() {
             self.next += 1;
+            return Ok(());
         }
+        if let Some(update) = &mut self.update
+            && let Some(solved) = update.renew(problem, state, phases)
+        {
+            self.values = solved.values(problem);
+            self.solved = solved;
+            return Ok(());
+        }
+        // Two factors at a time are more than may fit.
+        (self.ahead, self.update) = (None, None);
+        *self = Response::new(solver, problem, state, phases)?;
         Ok(())
     }
 
-    /// Whether a new factorisation follows the next event.
-    pub fn is_last(&self) -> bool {
+    /// Whether the response after the next event is known already.
+    pub fn foresees_next(&self) -> bool {
         let ahead = self.ahead.as_ref();
-        ahead.is_none_or(|ahead| self.next + 1 == ahead.count())
+        ahead.is_some_and(|ahead| self.next + 1 < ahead.count())
+    }
+
+    /// Whether a run that begins with `state`, and so with a factorisation, goes on with the same bits.
+    pub fn is_reproducible(&self, state: &State) -> bool {
+        match (&self.ahead, &self.update) {
+            (Some(_), _) => !self.foresees_next(),
+            (None, Some(update)) => update.is_reproducible(state),
+            (None, None) => true,
+        }
     }
 
     fn now(&self) -> Option<(&Ahead, usize)> {
@@ -203,6 +234,21 @@ impl Response {
             // Maxima and minima: the same in any order.
             .reduce(|| Bounds::NONE, Bounds::and);
         bounds.event(last, problem.programme.phases[state.phase].end)
+    }
+
+    /// Intact bonds that are over their limit under a load.
+    pub fn bonds_over_limit(&self, problem: &Problem, state: &State, load: Load) -> Vec<usize> {
+        let is_over = |&s: &usize| {
+            let limit = problem.limits.of(s);
+            let rough = load.combine(self.solved.rough_stretches(problem, s));
+            limit.utilisation(rough) > NEAR
+                && limit.is_exceeded(load.combine(self.solved.stretches(problem, s)))
+        };
+        (0..problem.model.springs.len())
+            .into_par_iter()
+            .filter(|&s| state.intact[s])
+            .filter(is_over)
+            .collect()
     }
 
     /// Bonds at their limit, or within a small share of it and bound to reach it.

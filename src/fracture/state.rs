@@ -8,7 +8,6 @@ use super::response::Response;
 use crate::model::Model;
 use crate::statics::{StaticsError, SystemSize};
 use crate::support;
-use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// The state of damage. Bonds break and never heal.
@@ -208,40 +207,33 @@ impl State {
         ending
     }
 
-    /// Intact bonds that are over their limit.
-    pub fn exceeded(&self, model: &Model, limits: &Limits) -> Vec<usize> {
-        let over = |&s: &usize| limits.of(s).is_exceeded(self.stretch(model, s));
-        (0..model.springs.len())
-            .into_par_iter()
-            .filter(|&s| self.intact[s])
-            .filter(over)
-            .collect()
-    }
-
-    /// Breaks the given bonds, finds what falls off, and returns how many have broken. `foreseen`: the
-    /// response, where what follows is known already and the state need not have been settled.
+    /// Breaks the given bonds, finds what falls off, and returns how many have broken.
     pub fn break_bonds(
         &mut self,
         problem: &Problem,
+        response: &Response,
         bonds: &[usize],
-        foreseen: Option<&Response>,
     ) -> usize {
         let Problem {
             model, programme, ..
         } = problem;
         for &spring in bonds {
-            let stretch = match foreseen {
-                Some(response) => response.stretch(problem, spring, self.load),
-                None => self.stretch(model, spring),
-            };
+            let stretch = response.stretch(problem, spring, self.load);
             let elongation = model.springs.length(spring, &model.positions) * stretch;
             self.intact[spring] = false;
             self.broken.push(spring as u32);
             self.just_broken.push((spring as u32, elongation));
         }
         // A response that is known already is that of a regular K: everything is held.
-        if !bonds.is_empty() && foreseen.is_none() {
+        if !bonds.is_empty() && !response.foresees_next() {
+            let before = self.fragments.clone();
             self.find_loose_parts(model, programme);
+            if self.fragments != before {
+                // What comes off stays where it is now.
+                let now = std::mem::replace(&mut self.fragments, before);
+                self.settle(problem, response);
+                self.fragments = now;
+            }
         }
         bonds.len()
     }

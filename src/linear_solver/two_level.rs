@@ -73,7 +73,10 @@ impl TwoLevel {
         let coarse = factorise_coarse(&blocks, &aggregates)?;
         let smoother = (0..graph.len()).into_par_iter();
         let smoother = smoother.map(|node| {
-            inverse(blocks.diagonal(node), [0, 1].map(|axis| is_held[2 * node + axis]))
+            inverse(
+                blocks.diagonal(node),
+                [0, 1].map(|axis| is_held[2 * node + axis]),
+            )
         });
         Ok(TwoLevel {
             smoother: smoother.collect(),
@@ -159,7 +162,8 @@ impl TwoLevel {
             let [xx, xy, yy] = self.smoother[node];
             let [x, y] = [residual[2 * node], residual[2 * node + 1]];
             let rigid = &coarse[MODES * of[node] as usize..][..MODES];
-            let moved = motion[node].map(|row| row.iter().zip(rigid).map(|(p, u)| p * u).sum::<f64>());
+            let moved =
+                motion[node].map(|row| row.iter().zip(rigid).map(|(p, u)| p * u).sum::<f64>());
             z[0] = xx * x + xy * y + moved[0];
             z[1] = xy * x + yy * y + moved[1];
         });
@@ -193,14 +197,13 @@ impl Blocks<'_> {
 }
 
 impl Aggregates {
-    fn new(
-        blocks: &Blocks,
-        cells: &[u32],
-        positions: &[[f64; 2]],
-        is_held: &[bool],
-    ) -> Aggregates {
+    fn new(blocks: &Blocks, cells: &[u32], positions: &[[f64; 2]], is_held: &[bool]) -> Aggregates {
         let (of, count) = connected(blocks, cells);
-        let numbered = || (0u32..).zip(&of).map(|(node, &aggregate)| (aggregate, node));
+        let numbered = || {
+            (0u32..)
+                .zip(&of)
+                .map(|(node, &aggregate)| (aggregate, node))
+        };
         let members = Lists::collect(count, numbered);
         let motions = (0..count).into_par_iter();
         let motions: Vec<Vec<[[f64; MODES]; 2]>> = motions
@@ -237,7 +240,10 @@ fn connected(blocks: &Blocks, cells: &[u32]) -> (Vec<u32>, usize) {
     for node in 0..cells.len() {
         for (other, block) in blocks.below(node) {
             if cells[node] == cells[other] && block != [[0.0; 2]; 2] {
-                let (a, b) = (root(&mut parent, node as u32), root(&mut parent, other as u32));
+                let (a, b) = (
+                    root(&mut parent, node as u32),
+                    root(&mut parent, other as u32),
+                );
                 parent[a.max(b) as usize] = a.min(b);
             }
         }
@@ -276,7 +282,8 @@ fn rigid_motions(
     let arm = |node: u32| [0, 1].map(|axis| at(node)[axis] - centre[axis]);
     let size = nodes.iter().map(|&n| arm(n)[0].hypot(arm(n)[1]));
     let size = size.fold(f64::MIN_POSITIVE, f64::max);
-    let free = |node: u32| [0, 1].map(|axis| f64::from(u8::from(!is_held[2 * node as usize + axis])));
+    let free =
+        |node: u32| [0, 1].map(|axis| f64::from(u8::from(!is_held[2 * node as usize + axis])));
     let rows = nodes.iter().map(|&node| {
         let ([x, y], [fx, fy]) = (arm(node).map(|a| a / size), free(node));
         [[fx, 0.0, -y * fx], [0.0, fy, x * fy]]
@@ -306,7 +313,10 @@ fn rigid_motions(
 type Block = [[f64; MODES]; MODES];
 
 /// L of Pᵀ K P.
-fn factorise_coarse(blocks: &Blocks, aggregates: &Aggregates) -> Result<cholesky::Factor, SolverError> {
+fn factorise_coarse(
+    blocks: &Blocks,
+    aggregates: &Aggregates,
+) -> Result<cholesky::Factor, SolverError> {
     let count = aggregates.members.len();
     let shares = (0..count).into_par_iter();
     let shares: Vec<Vec<(u32, Block)>> = shares
@@ -316,7 +326,10 @@ fn factorise_coarse(blocks: &Blocks, aggregates: &Aggregates) -> Result<cholesky
         let of = |(a, shares): (usize, &Vec<(u32, Block)>)| {
             let others: Vec<u32> = shares.iter().map(|&(b, _)| b).collect();
             let a = a as u32;
-            others.into_iter().filter(move |&b| b != a).flat_map(move |b| [(a, b), (b, a)])
+            others
+                .into_iter()
+                .filter(move |&b| b != a)
+                .flat_map(move |b| [(a, b), (b, a)])
         };
         shares.iter().enumerate().flat_map(of)
     };
@@ -349,7 +362,12 @@ fn coarse_columns(blocks: &Blocks, aggregates: &Aggregates, aggregate: usize) ->
     for &node in members.of(aggregate) {
         let node = node as usize;
         let [xx, xy, yy] = blocks.diagonal(node);
-        add_product(&mut columns[0].1, &motion[node], [[xx, xy], [xy, yy]], &motion[node]);
+        add_product(
+            &mut columns[0].1,
+            &motion[node],
+            [[xx, xy], [xy, yy]],
+            &motion[node],
+        );
         for (other, block) in blocks.below(node) {
             let row = of[other];
             let place = columns.iter().position(|&(known, _)| known == row);
@@ -399,7 +417,11 @@ fn coarse_matrix(graph: &Lists, shares: &[Vec<(u32, Block)>]) -> LowerMatrix {
             for i in mode..MODES {
                 let value = diagonal[i][mode];
                 rows.push((MODES * column + i) as u32);
-                values.push(if i == mode && value == 0.0 { 1.0 } else { value });
+                values.push(if i == mode && value == 0.0 {
+                    1.0
+                } else {
+                    value
+                });
             }
             for (row, block) in &below {
                 for (i, of_row) in block.iter().enumerate() {

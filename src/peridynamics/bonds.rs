@@ -60,11 +60,7 @@ struct Families<'a> {
 }
 
 impl Families<'_> {
-    fn new<'a>(
-        lattice: &'a Lattice,
-        micromodulus: &Micromodulus,
-        thickness: f64,
-    ) -> Families<'a> {
+    fn new<'a>(lattice: &'a Lattice, micromodulus: &Micromodulus, thickness: f64) -> Families<'a> {
         let offsets = family_offsets(micromodulus).into_iter();
         let half = offsets.filter(|&[p, q]| q > 0 || (q == 0 && p > 0));
         let half = half.map(|offset| {
@@ -221,8 +217,15 @@ mod tests {
             poisson: 1.0 / 3.0,
         };
         let plane = PlaneState::Stress;
-        Micromodulus::new(Kernel::Linear, partial_area, &material, plane, m * spacing, spacing)
-            .isotropised()
+        Micromodulus::new(
+            Kernel::Linear,
+            partial_area,
+            &material,
+            plane,
+            m * spacing,
+            spacing,
+        )
+        .isotropised()
     }
 
     proptest! {

@@ -252,15 +252,15 @@ impl<'a> Writer<'a> {
         } = &self.plan.output;
         let is_pictured = pictures_at.contains(&state.step);
         if first_break || is_pictured || state.step.is_multiple_of(*every) {
-            if response.is_last() {
-                self.frame(state)?;
-            } else {
+            if response.foresees_next() {
                 let mut whole = state.clone();
                 whole.settle(self.problem, response);
                 self.frame(&whole)?;
+            } else {
+                self.frame(state)?;
             }
         }
-        if response.is_last() {
+        if response.is_reproducible(state) {
             self.checkpoint(state)?;
         }
         Ok(())

@@ -8,7 +8,7 @@ use crate::assembly::stiffness::Stiffness;
 use crate::assembly::{ElementStiffness, Lists, Pattern};
 use crate::linear_solver::ordering::{Ordering, elimination_order};
 use crate::linear_solver::two_level::TwoLevel;
-use crate::linear_solver::{Factor, Method, SolverError, cholesky, lu};
+use crate::linear_solver::{Factor, Method, SolverError, cholesky, expected_factor_entries, lu};
 use crate::model::Model;
 use crate::phases::Phases;
 use crate::springs::Springs;
@@ -174,6 +174,21 @@ impl Structure {
             Structure::Symmetric { .. } => 0,
             Structure::Full { estimate, .. } => 2 * estimate.factor_entries(),
         }
+    }
+
+    /// What L of the coarse level may have: a guess, aggregates being all connected to those around them.
+    pub(super) fn expected_coarse_entries(&self) -> usize {
+        let Structure::Symmetric {
+            way: Way::TwoLevel(cells),
+            ..
+        } = self
+        else {
+            return 0;
+        };
+        let is_first = |&(node, cell): &(usize, &u32)| node == *cell as usize;
+        let aggregates = cells.iter().enumerate().filter(is_first).count();
+        // Eight around each, three dofs for two.
+        (2.25 * expected_factor_entries(aggregates, 8 * aggregates)) as usize
     }
 
     /// Multiplications and additions of a factorisation, under the same condition.

@@ -1,0 +1,65 @@
+//! Small dense systems: LU with partial pivoting by faer.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::lu::partial_pivoting::{factor, solve};
+use faer::perm::PermRef;
+use faer::{Conj, Mat, MatMut, Par};
+
+/// Products are cut into so many parts, whatever the number of threads: the cuts decide the bits.
+const PARTS: usize = 8;
+
+/// Below this size one thread is faster.
+const PARALLEL_SIZE: usize = 512;
+
+/// A = P⁻¹ L U.
+pub struct Lu {
+    factors: Mat<f64>,
+    /// The permutation of the rows and its inverse.
+    rows: [Vec<usize>; 2],
+}
+
+impl Lu {
+    /// `None` where a pivot is below `least` times the largest, or not a number.
+    pub fn new(mut matrix: Mat<f64>, least: f64) -> Option<Lu> {
+        let n = matrix.nrows();
+        let par = match n < PARALLEL_SIZE {
+            true => Par::Seq,
+            false => Par::rayon(PARTS),
+        };
+        let mut rows = [vec![0; n], vec![0; n]];
+        let [forward, inverse] = &mut rows;
+        let scratch = factor::lu_in_place_scratch::<usize, f64>(n, n, par, Default::default());
+        factor::lu_in_place(
+            matrix.as_mut(),
+            forward,
+            inverse,
+            par,
+            MemStack::new(&mut MemBuffer::new(scratch)),
+            Default::default(),
+        );
+        let pivots = || (0..n).map(|k| matrix[(k, k)].abs());
+        let largest = pivots().fold(0.0, f64::max);
+        // False for what is not a number.
+        let is_regular = pivots().all(|pivot| pivot > least * largest);
+        is_regular.then_some(Lu {
+            factors: matrix,
+            rows,
+        })
+    }
+
+    /// Overwrites b by A⁻¹ b.
+    pub fn solve_in_place(&self, rhs: &mut [f64]) {
+        let n = rhs.len();
+        let [forward, inverse] = &self.rows;
+        let scratch = solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq);
+        solve::solve_in_place_with_conj(
+            self.factors.as_ref(),
+            self.factors.as_ref(),
+            PermRef::new_checked(forward, inverse, n),
+            Conj::No,
+            MatMut::from_column_major_slice_mut(rhs, n, 1),
+            Par::Seq,
+            MemStack::new(&mut MemBuffer::new(scratch)),
+        );
+    }
+}

@@ -1,0 +1,375 @@
+//! The response after bonds have gone, from the factorisation before them (Woodbury).
+//!
+//! The springs gone since K was factorised took S = Σ k w wᵀ. With E the dofs that they touch,
+//!
+//! ```text
+//! K' = K − E S Eᵀ,   G = Eᵀ K⁻¹ E,   z = Eᵀ u'
+//! (I − G S) z = Eᵀ u,   u' = u + K⁻¹ E S z
+//! ```
+//!
+//! holds for an S of any rank, singular or not. G grows by the dofs that a pass adds, and costs what lies
+//! on their way through the elimination tree (`linear_solver/path.rs`); the dense system is small; then
+//! one solution finds u' everywhere, and its true residual is checked.
+//!
+//! A fragment that has come off does not move, z_F = 0: the unknowns there are the forces r that hold it,
+//! with columns −G_F in place of those of z_F.
+
+use super::control::Problem;
+use super::dense::Lu;
+use super::response::Solutions;
+use super::state::State;
+use crate::boundary::Boundary;
+use crate::phases::Phases;
+use crate::statics::{Factorised, Solution};
+use faer::{ColRef, Mat};
+use std::collections::BTreeMap;
+
+/// The largest relative residual that is not worth a factorisation.
+const DRIFT: f64 = 1e-11;
+
+/// A pivot of I − G S below this share of the largest: what is left is a mechanism, or too close to one.
+/// The factorisation that follows finds out.
+const LEAST_PIVOT: f64 = 1e-7;
+
+/// Weights of [`Costs`], measured (docs/performance.md): a sparse factorisation runs at some fifth of the
+/// rate of a dense product, a solution at a hundredth.
+const FACTORISATION: f64 = 4.0;
+const ASSEMBLY: f64 = 200.0;
+const SOLUTION: f64 = 100.0;
+const PER_DOF: f64 = 0.6;
+const DENSE: f64 = 2.0;
+
+/// What happened since a factorisation, and the response then.
+pub struct Update {
+    factorised: Factorised,
+    base: Solutions,
+    phase: usize,
+    /// Bonds that had broken when K was factorised.
+    first: usize,
+    /// Bonds that had broken when the response was last updated.
+    known: usize,
+    touched: Touched,
+    costs: Costs,
+}
+
+impl Update {
+    pub fn new(factorised: Factorised, base: Solutions, state: &State) -> Update {
+        Update {
+            costs: Costs::new(&factorised),
+            factorised,
+            base,
+            phase: state.phase,
+            first: state.broken.len(),
+            known: state.broken.len(),
+            touched: Touched {
+                dofs: Vec::new(),
+                place: BTreeMap::new(),
+                compliance: Mat::new(),
+                columns: Vec::new(),
+                springs: Vec::new(),
+                system: Mat::new(),
+            },
+        }
+    }
+
+    /// Whether a run that starts from `state` with a factorisation goes on with the same bits: either the
+    /// next response is from a factorisation, or this one is.
+    pub fn is_reproducible(&self, state: &State) -> bool {
+        if state.broken.len() > self.known {
+            self.costs.is_due()
+        } else {
+            self.known == self.first
+        }
+    }
+
+    /// u_held and u_unit with the bonds that are gone; `None` where a factorisation is due.
+    pub fn renew(
+        &mut self,
+        problem: &Problem,
+        state: &State,
+        phases: &mut Phases,
+    ) -> Option<Solutions> {
+        if self.costs.is_due() || state.phase != self.phase {
+            return None;
+        }
+        let gone = &state.broken[self.first..];
+        let pins = self.pins(state);
+        let new = self
+            .touched
+            .enter(problem, &state.broken[self.known..], &pins);
+        if !self.costs.add(self.touched.dofs.len(), new) {
+            return None;
+        }
+        phases.measure("compliance", || self.touched.extend(&self.factorised));
+        let system = phases.measure("update", || {
+            self.touched.lose(problem, &state.broken[self.known..]);
+            Lu::new(self.touched.system(&pins), LEAST_PIVOT)
+        })?;
+        self.known = state.broken.len();
+        let (model, programme) = (problem.model, problem.programme);
+        let gone: Vec<usize> = gone.iter().map(|&s| s as usize).collect();
+        let mut after = |before: &Solution, case: &Boundary| {
+            let start = std::time::Instant::now();
+            let forces = self.touched.forces(&system, &pins, before);
+            let mut change = self.touched.change(&self.factorised, &forces);
+            for &dof in &pins {
+                change[dof] = -before.displacement[dof / 2][dof % 2];
+            }
+            let solution = self.factorised.without(model, case, before, &change, &gone);
+            phases.add("solution", start.elapsed(), 1);
+            // False for what is not a number.
+            (solution.residual <= DRIFT).then_some(solution)
+        };
+        let unit = after(&self.base.unit, &programme.phases[self.phase].boundary)?;
+        let held = match (&self.base.held, programme.held(self.phase)) {
+            (Some(before), Some(case)) => Some(after(before, &case)?),
+            _ => None,
+        };
+        Some(Solutions { held, unit })
+    }
+
+    /// Dofs of the fragments that have come off since the factorisation.
+    fn pins(&self, state: &State) -> Vec<usize> {
+        let nodes = state.fragments.iter().flatten();
+        let dofs = nodes.flat_map(|&node| [2 * node, 2 * node + 1]);
+        dofs.filter(|&dof| !self.factorised.is_held(dof)).collect()
+    }
+}
+
+/// A spring that is gone, by places among the touched dofs.
+struct Spring {
+    stiffness: f64,
+    /// w.
+    terms: Vec<(usize, f64)>,
+    /// Those of w where its forces act: a splice has some of its nodes follow others, and these take none.
+    acting: Vec<(usize, f64)>,
+}
+
+/// The dofs that springs acted on which are gone, in the order in which they came in.
+struct Touched {
+    dofs: Vec<usize>,
+    place: BTreeMap<usize, usize>,
+    /// G [m/N].
+    compliance: Mat<f64>,
+    /// K⁻¹ E, column by column, where K is not symmetric [m/N].
+    columns: Vec<f64>,
+    /// What is gone, and I − G S.
+    springs: Vec<Spring>,
+    system: Mat<f64>,
+}
+
+impl Touched {
+    /// Adds the dofs of springs, and of pins; how many are new.
+    fn enter(&mut self, problem: &Problem, springs: &[u32], pins: &[usize]) -> usize {
+        let before = self.dofs.len();
+        let of_spring = |&spring: &u32| problem.model.springs.nodes(spring as usize);
+        let nodes = springs.iter().flat_map(of_spring);
+        let dofs = nodes.flat_map(|&node| [2 * node as usize, 2 * node as usize + 1]);
+        for dof in dofs.chain(pins.iter().copied()) {
+            let next = self.dofs.len();
+            if *self.place.entry(dof).or_insert(next) == next {
+                self.dofs.push(dof);
+            }
+        }
+        self.dofs.len() - before
+    }
+
+    /// Brings G and the system up to the dofs.
+    fn extend(&mut self, factorised: &Factorised) {
+        let (size, known) = (self.dofs.len(), self.compliance.nrows());
+        self.extend_compliance(factorised, size, known);
+        let identity = |i: usize, j: usize| f64::from(u8::from(i == j));
+        self.system.resize_with(size, size, identity);
+        for k in 0..self.springs.len() {
+            self.subtract(k, known);
+        }
+    }
+
+    fn extend_compliance(&mut self, factorised: &Factorised, size: usize, known: usize) {
+        let new = &self.dofs[known..];
+        self.compliance.resize_with(size, size, |_, _| 0.0);
+        let mut compliance = self.compliance.as_mut();
+        if let Some(block) = factorised.compliance_between(&self.dofs, new) {
+            let mut columns = compliance.as_mut().subcols_mut(known, new.len());
+            columns.copy_from(&block);
+            let mut rows = compliance.submatrix_mut(known, 0, new.len(), known);
+            rows.copy_from(block.subrows(0, known).transpose());
+            return;
+        }
+        let dofs = factorised.dofs();
+        let mut columns = vec![0.0; dofs * new.len()];
+        for (column, &dof) in columns.chunks_exact_mut(dofs).zip(new) {
+            column[dof] = 1.0;
+        }
+        factorised.respond(&mut columns, new.len());
+        self.columns.extend(columns);
+        for (j, column) in self.columns.chunks_exact(dofs).enumerate() {
+            for (i, &dof) in self.dofs.iter().enumerate() {
+                compliance[(i, j)] = column[dof];
+            }
+        }
+    }
+
+    /// Adds springs that are gone to S.
+    fn lose(&mut self, problem: &Problem, gone: &[u32]) {
+        for &spring in gone {
+            self.springs.push(self.spring(problem, spring as usize));
+            self.subtract(self.springs.len() - 1, 0);
+        }
+    }
+
+    /// Takes k G w wᵀ of a spring that is gone off the rows of I − G S from `first` on.
+    fn subtract(&mut self, spring: usize, first: usize) {
+        let Spring {
+            stiffness,
+            terms,
+            acting,
+        } = &self.springs[spring];
+        let mut column = vec![0.0; self.dofs.len() - first];
+        for &(place, w) in acting {
+            add(
+                &mut column,
+                stiffness * w,
+                &slice(self.compliance.col(place))[first..],
+            );
+        }
+        for &(place, w) in terms {
+            let own = self.system.col_mut(place).try_as_col_major_mut();
+            let own = own.expect("stored by columns").as_slice_mut();
+            add(&mut own[first..], -w, &column);
+        }
+    }
+
+    fn spring(&self, problem: &Problem, spring: usize) -> Spring {
+        let model = problem.model;
+        let first = model.first_loaded_node();
+        let (mut terms, mut acting) = (Vec::new(), Vec::new());
+        model
+            .springs
+            .for_each_term(spring, &model.positions, |node, w| {
+                for (axis, w) in w.into_iter().enumerate() {
+                    let place = self.place[&(2 * node as usize + axis)];
+                    terms.push((place, w));
+                    if node as usize >= first {
+                        acting.push((place, w));
+                    }
+                }
+            });
+        Spring {
+            stiffness: model.springs.stiffness[spring],
+            terms,
+            acting,
+        }
+    }
+
+    /// I − G S, and −G in the columns of the pins.
+    fn system(&self, pins: &[usize]) -> Mat<f64> {
+        let mut system = self.system.clone();
+        for place in pins.iter().map(|dof| self.place[dof]) {
+            let mut own = system.col_mut(place);
+            own.copy_from(faer::Scale(-1.0) * self.compliance.col(place));
+        }
+        system
+    }
+
+    /// S z, and r at the pins [N].
+    fn forces(&self, system: &Lu, pins: &[usize], before: &Solution) -> Vec<f64> {
+        let u = self.dofs.iter();
+        let mut z: Vec<f64> = u.map(|dof| before.displacement[dof / 2][dof % 2]).collect();
+        system.solve_in_place(&mut z);
+        let mut forces = vec![0.0; z.len()];
+        for place in pins.iter().map(|dof| self.place[dof]) {
+            forces[place] = std::mem::take(&mut z[place]);
+        }
+        for spring in &self.springs {
+            let elongation: f64 = spring.terms.iter().map(|&(place, w)| w * z[place]).sum();
+            for &(place, w) in &spring.acting {
+                forces[place] += spring.stiffness * elongation * w;
+            }
+        }
+        forces
+    }
+
+    /// K⁻¹ E times forces on the touched dofs, everywhere [m].
+    fn change(&self, factorised: &Factorised, forces: &[f64]) -> Vec<f64> {
+        let dofs = factorised.dofs();
+        let mut change = vec![0.0; dofs];
+        if self.columns.is_empty() {
+            for (&dof, force) in self.dofs.iter().zip(forces) {
+                change[dof] = *force;
+            }
+            factorised.respond(&mut change, 1);
+        } else {
+            for (column, force) in self.columns.chunks_exact(dofs).zip(forces) {
+                let add = change.iter_mut().zip(column);
+                add.for_each(|(u, column)| *u += force * column);
+            }
+        }
+        change
+    }
+}
+
+/// u += scale · a.
+fn add(u: &mut [f64], scale: f64, a: &[f64]) {
+    u.iter_mut().zip(a).for_each(|(u, a)| *u += scale * a);
+}
+
+fn slice(column: ColRef<'_, f64>) -> &[f64] {
+    let column = column.try_as_col_major();
+    column.expect("stored by columns").as_slice()
+}
+
+/// When a factorisation is due: as soon as the next update would cost more than all since the last one
+/// have on average, that one included. From counts alone, in units of a multiplication in a dense product.
+struct Costs {
+    factorisation: f64,
+    /// Of one dof that comes in, and of a solution.
+    per_dof: f64,
+    solution: f64,
+    /// More dofs than these would take more memory than the factor.
+    most_dofs: usize,
+    spent: f64,
+    updates: usize,
+    /// Dofs of the last update, and how many of them were new.
+    last: [usize; 2],
+}
+
+impl Costs {
+    fn new(factorised: &Factorised) -> Costs {
+        let (entries, flops) = (factorised.entries as f64, factorised.flops);
+        let most_dofs = match factorised.is_symmetric() {
+            true => entries.sqrt(),
+            false => entries / factorised.dofs() as f64,
+        };
+        Costs {
+            factorisation: FACTORISATION * flops + ASSEMBLY * entries,
+            per_dof: PER_DOF * entries,
+            solution: SOLUTION * entries,
+            most_dofs: most_dofs as usize,
+            spent: 0.0,
+            updates: 0,
+            last: [0, 0],
+        }
+    }
+
+    fn of(&self, size: usize, new: usize) -> f64 {
+        let size = size as f64;
+        DENSE * size * size * size + self.per_dof * new as f64 + self.solution
+    }
+
+    /// One more update; whether it is worth it.
+    fn add(&mut self, size: usize, new: usize) -> bool {
+        let cost = self.of(size, new);
+        self.spent += cost;
+        self.updates += 1;
+        self.last = [size, new];
+        size <= self.most_dofs && cost < self.factorisation
+    }
+
+    fn is_due(&self) -> bool {
+        let [size, new] = self.last;
+        let next = self.of(size + new, new);
+        let average = (self.factorisation + self.spent) / self.updates as f64;
+        self.updates > 0 && (next > average || size + new > self.most_dofs)
+    }
+}

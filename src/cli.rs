@@ -60,9 +60,18 @@ enum Command {
         /// Factorise anew whenever bonds have broken: slow, to check the fast way against
         #[arg(long)]
         reference_solver: bool,
+        /// Solve by conjugate gradients on two levels, as large lattices are, whatever the size
+        #[arg(long, conflicts_with = "reference_solver")]
+        iterative_solver: bool,
     },
     /// Validate, and print sizes and the memory and time to expect; writes nothing
-    Check(Common),
+    Check {
+        #[command(flatten)]
+        common: Common,
+        /// As if run with this
+        #[arg(long)]
+        iterative_solver: bool,
+    },
     /// Print which stages are fresh
     Status(Common),
     /// Print why stages are stale
@@ -134,6 +143,7 @@ pub fn main() -> ExitCode {
             dry_run,
             threads,
             reference_solver,
+            iterative_solver,
         } => {
             if let Some(threads) = threads {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
@@ -142,10 +152,10 @@ pub fn main() -> ExitCode {
             let options = Options {
                 until: until.into(),
                 force,
-                resolution: if reference_solver {
-                    Resolution::Reference
-                } else {
-                    Resolution::Fast
+                resolution: match (reference_solver, iterative_solver) {
+                    (true, _) => Resolution::Reference,
+                    (false, true) => Resolution::TwoLevel,
+                    (false, false) => Resolution::Fast,
                 },
                 ..Options::default()
             };
@@ -157,7 +167,13 @@ pub fn main() -> ExitCode {
                 }
             })
         }
-        Command::Check(common) => for_each(&common, check),
+        Command::Check {
+            common,
+            iterative_solver,
+        } => {
+            let method = iterative_solver.then_some(Method::TwoLevel);
+            for_each(&common, |plan| check(plan, method))
+        }
         Command::Status(common) => for_each(&common, |plan| list(plan, false)),
         Command::Explain(common) => for_each(&common, |plan| list(plan, true)),
         Command::Clean(common) => for_each(&common, |plan| {
@@ -350,9 +366,9 @@ fn list(plan: &Plan, reasons_too: bool) -> Result<(), RunError> {
     Ok(())
 }
 
-fn check(plan: &Plan) -> Result<(), RunError> {
+fn check(plan: &Plan, method: Option<Method>) -> Result<(), RunError> {
     let (model, boundary, extract) = run::discretised(plan, &Options::default())?;
-    let estimate = Estimate::new(&model, &boundary, plan.loading.is_some())?;
+    let estimate = Estimate::new(&model, &boundary, method, plan.loading.is_some())?;
     println!("{}: sound", plan.name);
     println!(
         "  mesh              Gmsh {}, {} groups",

@@ -126,12 +126,26 @@ pub fn solve(
     boundary: &Boundary,
     phases: &mut Phases,
 ) -> Result<Solution, StaticsError> {
+    solve_by(model, boundary, None, phases)
+}
+
+/// The same in a given way, where K is symmetric.
+///
+/// # Errors
+/// See [`StaticsError`].
+pub fn solve_by(
+    model: &Model,
+    boundary: &Boundary,
+    method: Option<Method>,
+    phases: &mut Phases,
+) -> Result<Solution, StaticsError> {
     let unsupported = phases.measure("support", || {
         support::check(model, boundary)?;
         Ok::<_, NotHeld>(support::loose_parts(model, boundary, &model.intact))
     })?;
     let pinned: Vec<Vec<usize>> = unsupported.into_iter().map(|part| part.nodes).collect();
-    Solver::new(model, boundary, phases)?.solve(&model.intact, &pinned, phases)
+    let solver = Solver::with_method(model, boundary, method, phases)?;
+    solver.solve(&model.intact, &pinned, phases)
 }
 
 /// What stays the same while bonds break: elements, the pattern of K, the structure of L.
@@ -407,6 +421,14 @@ impl Factorised {
         Some(compliance)
     }
 
+    /// The place of a dof in the order of elimination, of Cholesky's factor.
+    pub fn elimination(&self, dof: usize) -> Option<usize> {
+        match &self.factor {
+            Factor::Cholesky(factor) => Some(factor.column(dof)),
+            Factor::Lu(_) | Factor::TwoLevel(_) => None,
+        }
+    }
+
     /// K⁻¹ at `rows` for unit forces at `columns`, each of them among `rows` [m/N], without motion at held
     /// dofs; from Cholesky's factor only.
     pub fn compliance_between(&self, rows: &[usize], columns: &[usize]) -> Option<Mat<f64>> {
@@ -461,11 +483,17 @@ impl Factorised {
         change
     }
 
-    /// The solution of a case after springs have gone, from the one before and its change [m].
+    /// ‖f‖₂ of a case over the free dofs, prescribed displacements in f [N].
+    pub fn scale(&self, case: &Boundary) -> f64 {
+        self.system.scale(&self.system.case(case))
+    }
+
+    /// The solution of a case after springs have gone, from the one before and its change [m]; its residual
+    /// is relative to `scale`.
     pub fn without(
         &self,
         model: &Model,
-        case: &Boundary,
+        (case, scale): (&Boundary, f64),
         before: &Solution,
         change: &[f64],
         gone: &[usize],
@@ -482,7 +510,7 @@ impl Factorised {
             let taken = -springs.stiffness[spring] * elongation;
             add_spring_force(&mut force, model, spring, taken);
         }
-        let residual = norm(&case.residual(&force)) / self.system.scale(&case);
+        let residual = norm(&case.residual(&force)) / scale;
         Solution {
             displacement,
             reaction: case.reaction(&force),

@@ -112,7 +112,8 @@ fn recover(
     let held = (base.held.as_ref()).zip(programme.held(phase));
     let after = |case: usize, boundary: &Boundary, before: &Solution| {
         let change = factorised.respond_to_loss(model, &elongation(case));
-        factorised.without(model, boundary, before, &change, gone)
+        let case = (boundary, factorised.scale(boundary));
+        factorised.without(model, case, before, &change, gone)
     };
     Solutions {
         unit: after(1, unit, &base.unit),

@@ -4,6 +4,7 @@ use super::event::{Event, Load};
 use super::programme::{LoadPhase, Programme};
 use super::response::Response;
 use super::state::{Limits, State};
+use crate::linear_solver::Method;
 use crate::model::Model;
 use crate::phases::Phases;
 use crate::statics::{Solver, StaticsError};
@@ -107,6 +108,18 @@ pub enum Resolution {
     Fast,
     /// By a factorisation for every response: what all else is checked against.
     Reference,
+    /// By conjugate gradients on two levels, as large lattices are solved, whatever the size.
+    TwoLevel,
+}
+
+impl Resolution {
+    /// How systems are to be solved; `None`: whichever way their size suggests.
+    pub fn method(self) -> Option<Method> {
+        match self {
+            Resolution::Fast | Resolution::Reference => None,
+            Resolution::TwoLevel => Some(Method::TwoLevel),
+        }
+    }
 }
 
 /// One line of the history.
@@ -133,7 +146,8 @@ pub fn run<E: From<StaticsError>>(
     if let Some(ending) = ending(problem, state) {
         return Ok(ending);
     }
-    let solver = Solver::new(problem.model, problem.programme.supports(), phases)?;
+    let (supports, method) = (problem.programme.supports(), problem.resolution.method());
+    let solver = Solver::with_method(problem.model, supports, method, phases)?;
     let mut response = match Response::new(&solver, problem, state, phases) {
         Ok(response) => response,
         // Before the first step it is the problem that has no solution.
@@ -147,7 +161,7 @@ pub fn run<E: From<StaticsError>>(
         let mut record = Record::default();
         let last_broken = loop {
             state.advance(problem, &response, load);
-            let broken = break_bonds(problem, state, &response, load, phases);
+            let broken = break_bonds(problem, state, &mut response, load, phases);
             if !response.foresees_next() {
                 state.settle(problem, &response);
             }
@@ -223,7 +237,7 @@ fn next_load(problem: &Problem, state: &State, response: &Response) -> Option<Lo
 fn break_bonds(
     problem: &Problem,
     state: &mut State,
-    response: &Response,
+    response: &mut Response,
     load: Load,
     phases: &mut Phases,
 ) -> usize {
@@ -231,7 +245,5 @@ fn break_bonds(
         Control::EventDriven => response.bonds_at_limit(problem, state, load),
         _ => response.bonds_over_limit(problem, state, load),
     });
-    phases.measure("loose parts", || {
-        state.break_bonds(problem, response, &bonds)
-    })
+    phases.measure("loose parts", || state.break_bonds(problem, response, &bonds))
 }

@@ -218,7 +218,7 @@ impl Factor {
     }
 
     /// The column of L that eliminates a dof.
-    pub(super) fn column(&self, dof: usize) -> usize {
+    pub fn column(&self, dof: usize) -> usize {
         let place = self.structure.perm().map(|p| p.arrays().1);
         place.map_or(dof, |place| place[dof] as usize)
     }

@@ -360,7 +360,8 @@ impl Run<'_> {
     }
 
     fn solve_once(&mut self, model: &Model, boundary: &Boundary) -> Result<Solved, RunError> {
-        let solution = statics::solve(model, boundary, &mut self.phases)?;
+        let method = self.options.resolution.method();
+        let solution = statics::solve_by(model, boundary, method, &mut self.phases)?;
         Ok(Solved {
             solution,
             intact: model.intact.clone(),

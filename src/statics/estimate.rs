@@ -44,13 +44,18 @@ const ITERATIVE_VECTORS: f64 = 20.0;
 const BREAKABLE: f64 = 14.0;
 
 impl Estimate {
-    /// `breaks`: whether bonds may break.
+    /// `method`: how K is solved with, if its size is not to tell; `breaks`: whether bonds may break.
     ///
     /// # Errors
     /// [`SolverError::Ordering`](crate::linear_solver::SolverError::Ordering),
     /// [`SolverError::OutOfMemory`](crate::linear_solver::SolverError::OutOfMemory).
-    pub fn new(model: &Model, boundary: &Boundary, breaks: bool) -> Result<Estimate, StaticsError> {
-        let structure = Structure::new(model, None, &mut Phases::default())?;
+    pub fn new(
+        model: &Model,
+        boundary: &Boundary,
+        method: Option<Method>,
+        breaks: bool,
+    ) -> Result<Estimate, StaticsError> {
+        let structure = Structure::new(model, method, &mut Phases::default())?;
         let method = structure.method();
         let dofs = boundary.load.len();
         let stiffness = structure.stiffness_entries() as f64;

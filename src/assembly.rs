@@ -1,8 +1,8 @@
 //! One stiffness matrix from elements, bonds and trusses: K = Σ C_eᵀ k C_e,
 //! Qian et al. (2021), eq. (12), on a pattern that is fixed once.
 //!
-//! Every column is gathered by one thread from what touches its node, in a fixed order: the bits do
-//! not depend on the number of threads. Dof = 2 · node + axis.
+//! The columns are shared out in a fixed number of parts. In each, columns are gathered from what touches
+//! their node, in a fixed order: the bits do not depend on the number of threads. Dof = 2 · node + axis.
 
 pub mod full;
 pub mod stiffness;
@@ -226,7 +226,10 @@ impl Lists {
 pub struct Pattern {
     /// Neighbours of each node, ascending, itself left out.
     pub graph: Lists,
-    springs_at: Lists,
+    /// Springs between two nodes, at the lower one.
+    pairs_at: Lists,
+    /// All other springs, at each of their nodes.
+    others_at: Lists,
     elements_at: Lists,
     symbolic: Arc<SymbolicSparseColMat<u32>>,
 }
@@ -234,19 +237,32 @@ pub struct Pattern {
 impl Pattern {
     /// Springs without stiffness (bonds of exactly δ under a kernel that fades to zero) take no place.
     pub fn new(nodes: usize, springs: &Springs, elements: &[ElementStiffness]) -> Pattern {
-        let stiff = || {
-            let all = (0..springs.len()).filter(|&s| springs.stiffness[s] != 0.0);
-            all.map(|s| (s as u32, springs.nodes(s)))
+        let pairs = || {
+            let all = (0u32..).zip(springs.pairs());
+            let stiff = all.filter(|&(s, _)| springs.stiffness[s as usize] != 0.0);
+            stiff.map(|(s, &[a, b])| (s, a.min(b), a.max(b)))
         };
-        let springs_at = Lists::collect(nodes, || {
-            stiff().flat_map(|(s, nodes)| nodes.iter().map(move |&node| (node, s)))
+        let pairs_at = Lists::collect(nodes, || pairs().map(|(s, lower, _)| (lower, s)));
+        let lower_ends = Lists::collect(nodes, || pairs().map(|(_, lower, upper)| (upper, lower)));
+        let others = || {
+            let others = springs.pairs().len()..springs.len();
+            others.filter(|&s| springs.stiffness[s] != 0.0)
+        };
+        let others_at = Lists::collect(nodes, || {
+            others().flat_map(|s| springs.nodes(s).iter().map(move |&node| (node, s as u32)))
         });
         let elements_at = Lists::collect(nodes, || {
             let numbered = elements.iter().enumerate();
             numbered.flat_map(|(e, element)| element.nodes.iter().map(move |&n| (n, e as u32)))
         });
         let graph = Lists::gather(nodes, |node, neighbours| {
-            for &s in springs_at.of(node) {
+            neighbours.extend(lower_ends.of(node));
+            let upper_ends = pairs_at.of(node).iter().map(|&s| {
+                let [a, b] = springs.pairs()[s as usize];
+                a.max(b)
+            });
+            neighbours.extend(upper_ends);
+            for &s in others_at.of(node) {
                 neighbours.extend(springs.nodes(s as usize));
             }
             for &e in elements_at.of(node) {
@@ -260,7 +276,8 @@ impl Pattern {
         let symbolic = Arc::new(lower_pattern(&graph));
         Pattern {
             graph,
-            springs_at,
+            pairs_at,
+            others_at,
             elements_at,
             symbolic,
         }
@@ -278,11 +295,6 @@ impl Pattern {
     /// Stored entries of the lower triangle.
     pub fn stored_entries(&self) -> usize {
         self.symbolic.row_idx().len()
-    }
-
-    /// Indices of the springs with stiffness that act on a node.
-    pub fn springs_at(&self, node: usize) -> &[u32] {
-        self.springs_at.of(node)
     }
 
     /// The lower triangle of K [N/m].
@@ -304,37 +316,79 @@ impl Pattern {
         elements: &[ElementStiffness],
     ) -> LowerMatrix {
         let mut values = vec![0.0; self.stored_entries()];
-        self.columns_mut(&mut values)
-            .into_par_iter()
-            .enumerate()
-            .with_min_len(64)
-            .for_each(|(node, values)| {
-                let mut column = Column::new(node as u32, self.upper_neighbours(node), values);
-                let springs_here = self.springs_at.of(node).iter().map(|&s| s as usize);
-                for s in springs_here.filter(|&s| is_intact(s)) {
-                    column.add_spring(springs, s, positions);
-                }
-                for &e in self.elements_at.of(node) {
-                    column.add_element(&elements[e as usize]);
-                }
-            });
+        let all = (springs, positions, elements);
+        let parts = self.parts_mut(&mut values).into_par_iter();
+        let beyond: Vec<(usize, Vec<[f64; 3]>)> = parts
+            .map(|(nodes, values)| {
+                let end = nodes.end;
+                (end, self.assemble_part(nodes, values, all, &is_intact))
+            })
+            .collect();
+        for (first, diagonals) in beyond {
+            for (node, [xx, xy, yy]) in (first..).zip(diagonals) {
+                let [start, second] = [0, 1].map(|axis| self.symbolic.col_range(2 * node + axis).start);
+                values[start] += xx;
+                values[start + 1] += xy;
+                values[second] += yy;
+            }
+        }
         LowerMatrix::new(self.symbolic.clone(), values)
+    }
+
+    /// The columns of some nodes, springs between two nodes being read once, at the lower one. Returns
+    /// what they add to the diagonals of the nodes behind: xx, xy, yy.
+    fn assemble_part(
+        &self,
+        nodes: Range<usize>,
+        mut values: &mut [f64],
+        (springs, positions, elements): (&Springs, &[[f64; 2]], &[ElementStiffness]),
+        is_intact: &(impl Fn(usize) -> bool + Sync),
+    ) -> Vec<[f64; 3]> {
+        let first = nodes.start;
+        let last = nodes.clone().filter_map(|node| self.graph.of(node).last());
+        let end = last.max().map_or(0, |&last| last as usize + 1).max(nodes.end);
+        let mut diagonals = vec![[0.0; 3]; end - first];
+        for node in nodes.clone() {
+            let neighbours = self.upper_neighbours(node);
+            let (own, behind) = values.split_at_mut(3 + 4 * neighbours.len());
+            values = behind;
+            let mut column = Column::new(node as u32, neighbours, own);
+            let intact = |list: &&u32| is_intact(**list as usize);
+            for &s in self.pairs_at.of(node).iter().filter(intact) {
+                let pair = springs.pairs()[s as usize];
+                let (other, block) = column.add_pair(pair, springs.stiffness[s as usize], positions);
+                for end in [node, other as usize] {
+                    let sums = diagonals[end - first].iter_mut().zip(block);
+                    sums.for_each(|(sum, share)| *sum += share);
+                }
+            }
+            for &s in self.others_at.of(node).iter().filter(intact) {
+                column.add_spring(springs, s as usize, positions);
+            }
+            for &e in self.elements_at.of(node) {
+                column.add_element(&elements[e as usize]);
+            }
+            // All lower nodes of this part have been here.
+            column.add_diagonal(diagonals[node - first]);
+        }
+        diagonals.split_off(nodes.len())
     }
 
     fn upper_neighbours(&self, node: usize) -> &[u32] {
         above_diagonal(&self.graph, node)
     }
 
-    /// The two columns of each node as one slice.
-    fn columns_mut<'a>(&self, mut values: &'a mut [f64]) -> Vec<&'a mut [f64]> {
-        (0..self.nodes())
-            .map(|node| {
-                let length = 3 + 4 * self.upper_neighbours(node).len();
-                let (column, rest) = std::mem::take(&mut values).split_at_mut(length);
-                values = rest;
-                column
-            })
-            .collect()
+    /// Parts of the nodes, with their columns.
+    fn parts_mut<'a>(&self, mut values: &'a mut [f64]) -> Vec<(Range<usize>, &'a mut [f64])> {
+        let parts: Vec<Range<usize>> = column_parts(self.nodes()).collect();
+        let start = |node: usize| self.symbolic.col_ptr()[2 * node] as usize;
+        let take = |nodes: Range<usize>| {
+            let length = start(nodes.end) - start(nodes.start);
+            let (own, rest) = std::mem::take(&mut values).split_at_mut(length);
+            values = rest;
+            (nodes, own)
+        };
+        parts.into_iter().map(take).collect()
     }
 }
 
@@ -429,32 +483,37 @@ impl<'a> Column<'a> {
         }
     }
 
-    /// K = k n⊗n between two nodes, eqs. (19) and (20).
-    fn add_pair(&mut self, [a, b]: [u32; 2], stiffness: f64, positions: &[[f64; 2]]) {
+    /// k n⊗n, eqs. (19) and (20), of a spring to a higher node, off the diagonal; returns that node, and
+    /// what the diagonals of both get.
+    fn add_pair(
+        &mut self,
+        [a, b]: [u32; 2],
+        stiffness: f64,
+        positions: &[[f64; 2]],
+    ) -> (u32, [f64; 3]) {
+        let other = a.max(b);
         let [p, q] = [a, b].map(|node| positions[node as usize]);
         let [x, y] = [q[0] - p[0], q[1] - p[1]];
         let k = stiffness / (x * x + y * y);
-        let [xx, xy, yy] = [k * x * x, k * x * y, k * y * y];
+        let block @ [xx, xy, yy] = [k * x * x, k * x * y, k * y * y];
         let second = 2 + 2 * self.neighbours.len();
+        let place = self.place(other);
+        let (first, second) = self.values.split_at_mut(second);
+        first[2 + 2 * place] -= xx;
+        first[3 + 2 * place] -= xy;
+        second[1 + 2 * place] -= xy;
+        second[2 + 2 * place] -= yy;
+        (other, block)
+    }
+
+    fn add_diagonal(&mut self, [xx, xy, yy]: [f64; 3]) {
         self.values[0] += xx;
         self.values[1] += xy;
-        self.values[second] += yy;
-        let other = if a == self.node { b } else { a };
-        if other > self.node {
-            let place = self.place(other);
-            let (first, second) = self.values.split_at_mut(second);
-            first[2 + 2 * place] -= xx;
-            first[3 + 2 * place] -= xy;
-            second[1 + 2 * place] -= xy;
-            second[2 + 2 * place] -= yy;
-        }
+        self.values[2 + 2 * self.neighbours.len()] += yy;
     }
 
     /// K = k w wᵀ.
     fn add_spring(&mut self, springs: &Springs, spring: usize, positions: &[[f64; 2]]) {
-        if let Some(&pair) = springs.pairs().get(spring) {
-            return self.add_pair(pair, springs.stiffness[spring], positions);
-        }
         let mut own = [0.0; 2];
         springs.for_each_term(spring, positions, |node, w| {
             if node == self.node {

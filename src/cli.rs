@@ -2,14 +2,13 @@
 //! Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.
 
 use crate::fracture::control::{Ending, Resolution};
-use crate::linear_solver::Method;
 use crate::pipeline::folder;
 use crate::pipeline::fracture;
 use crate::pipeline::plan::Plan;
 use crate::pipeline::run::{self, Observer, Options, RunError, Standing};
 use crate::pipeline::source::InputError;
 use crate::pipeline::stamp::Stage;
-use crate::statics::Estimate;
+use crate::statics::{Estimate, Method};
 use crate::verification::{self, Check, Reference, table};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};

@@ -5,7 +5,7 @@ mod structure;
 
 use crate::assembly::stiffness::Stiffness;
 use crate::boundary::Boundary;
-use crate::linear_solver::{Factor, Method, SolverError};
+use crate::linear_solver::{Factor, SolverError};
 use crate::model::Model;
 use crate::phases::Phases;
 use crate::support::{self, NotHeld};
@@ -14,6 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use structure::Structure;
 use thiserror::Error;
 
+pub use crate::linear_solver::Method;
 pub use estimate::Estimate;
 
 /// Displacements of all nodes, and what holds them.
@@ -358,8 +359,19 @@ impl<'a> Solver<'a> {
             what: kind(self.model, node),
             x,
             y,
-            springs: self.structure.springs_at(node).len(),
+            springs: self.springs_at(node),
         }
+    }
+}
+
+impl Solver<'_> {
+    /// How many springs with stiffness act on a node.
+    fn springs_at(&self, node: usize) -> usize {
+        let springs = &self.model.springs;
+        let acts = |&s: &usize| {
+            springs.stiffness[s] != 0.0 && springs.nodes(s).contains(&(node as u32))
+        };
+        (0..springs.len()).filter(acts).count()
     }
 }
 

@@ -177,7 +177,7 @@ fn compare(
     let differ = |own: &[[f64; 2]], other: &[[f64; 2]], what: &str| {
         let scale = largest(other);
         for (own, other) in own.iter().flatten().zip(other.iter().flatten()) {
-            assert!((own - other).abs() <= 1e-9 * scale, "{control:?}: {what}");
+            assert!((own - other).abs() <= 1e-9 * scale, "{control:?}: {what} {own:e} {other:e} {scale:e}");
         }
     };
     differ(

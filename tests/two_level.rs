@@ -104,7 +104,7 @@ fn assert_same(model: &Model) {
         difference(&two_level.displacement, &direct.displacement),
         difference(&two_level.reaction, &direct.reaction),
     ];
-    assert!(errors.iter().all(|&e| e < 1e-9), "{errors:.1e?}");
+    assert!(errors.iter().all(|&e| e < 1e-9), "{errors:?}");
 }
 
 #[test]
@@ -162,9 +162,10 @@ fn a_solution_is_its_own_guess() {
     assert!(difference(&third.displacement, &first.displacement) < 1e-9);
 }
 
-/// All springs across a line broken: the upper half floats. Held where it is, all is well.
+/// All springs across a line broken: the upper part floats, which the coarse level finds. Held where it
+/// is, all is well.
 #[test]
-fn a_part_that_floats_is_told_as_cholesky_tells_it() {
+fn a_part_that_floats_is_found() {
     let model = plate(0.06, Coupling::Clip);
     let mut boundary = Boundary::new(&model);
     let bottom = boundary.displace(&model, "bottom", [Some(0.0), Some(1e-6)]);
@@ -183,10 +184,13 @@ fn a_part_that_floats_is_told_as_cholesky_tells_it() {
         let mut phases = Phases::default();
         let solver = Solver::with_method(&model, &boundary, Some(method), &mut phases);
         let solver = solver.expect("a structure");
-        let Err(StaticsError::Mechanism { y, .. }) = solver.solve(&intact, &[], &mut phases) else {
-            panic!("{method:?} finds no mechanism");
-        };
-        assert!(y > 0.07, "{method:?}");
+        if method == linear_solver::Method::TwoLevel {
+            let floating = solver.solve(&intact, &[], &mut phases);
+            let Err(StaticsError::Mechanism { y, .. }) = floating else {
+                panic!("no mechanism was found");
+            };
+            assert!(y > 0.07);
+        }
         let held = solver.solve(&intact, &[upper.clone()], &mut phases);
         let held = held.expect("a solution");
         assert!(upper.iter().all(|&node| held.displacement[node] == [0.0; 2]));
@@ -212,7 +216,10 @@ fn the_same_bonds_break() {
     };
     let programme = Programme::proportional(grips(&model));
     for control in [Control::OnePass, Control::EventDriven] {
-        let steps = if control == Control::OnePass { 12 } else { 6 };
+        let (steps, least) = match control {
+            Control::OnePass => (12, 50),
+            _ => (10, 10),
+        };
         let broken = |resolution: Resolution| {
             let problem = Problem {
                 model: &model,
@@ -237,7 +244,7 @@ fn the_same_bonds_break() {
         };
         let (expected, load, energy) = broken(Resolution::Fast);
         let (found, other_load, other_energy) = broken(Resolution::TwoLevel);
-        assert!(expected.len() > 20, "{} bonds", expected.len());
+        assert!(expected.len() > least, "{} bonds", expected.len());
         assert_eq!(found, expected);
         assert!((other_load / load - 1.0).abs() < 1e-9);
         assert!((other_energy.elastic / energy.elastic - 1.0).abs() < 1e-8);

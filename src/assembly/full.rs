@@ -2,8 +2,7 @@
 //! displacements without acting back on it: all of K, on a pattern that is fixed once.
 //!
 //! Springs act on the nodes from a first one on, the material points; [`Equations`] hold what
-//! elements add to the rows of some nodes. Columns are gathered as in [`super::Pattern`]: by one thread each,
-//! in a fixed order.
+//! elements add to the rows of some nodes. Every column is gathered by one thread, in a fixed order.
 
 use super::Lists;
 use crate::springs::Springs;
@@ -111,11 +110,6 @@ impl FullPattern {
 
     pub fn stored_entries(&self) -> usize {
         self.symbolic.row_idx().len()
-    }
-
-    /// Indices of the springs with stiffness that depend on a node.
-    pub fn springs_at(&self, node: usize) -> &[u32] {
-        self.springs_at.of(node)
     }
 
     /// K [N/m].

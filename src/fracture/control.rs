@@ -4,10 +4,9 @@ use super::event::{Event, Load};
 use super::programme::{LoadPhase, Programme};
 use super::response::Response;
 use super::state::{Limits, State};
-use crate::linear_solver::Method;
 use crate::model::Model;
 use crate::phases::Phases;
-use crate::statics::{Solver, StaticsError};
+use crate::statics::{Method, Solver, StaticsError};
 
 /// The three controls.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -202,14 +202,6 @@ impl Structure {
             Structure::Full { estimate, .. } => 2.0 * estimate.flops(),
         }
     }
-
-    /// Indices of the springs with stiffness at a node.
-    pub(super) fn springs_at(&self, node: usize) -> &[u32] {
-        match self {
-            Structure::Symmetric { pattern, .. } => pattern.springs_at(node),
-            Structure::Full { pattern, .. } => pattern.springs_at(node),
-        }
-    }
 }
 
 fn order(graph: &Lists) -> Result<Vec<u32>, SolverError> {

@@ -174,18 +174,27 @@ fn compare(
             .flatten()
             .fold(0.0, |a, b| f64::max(a, b.abs()))
     };
-    let differ = |own: &[[f64; 2]], other: &[[f64; 2]], what: &str| {
-        let scale = largest(other);
+    let differ = |own: &[[f64; 2]], other: &[[f64; 2]], least: f64, what: &str| {
+        let scale = largest(other).max(least);
         for (own, other) in own.iter().flatten().zip(other.iter().flatten()) {
-            assert!((own - other).abs() <= 1e-9 * scale, "{control:?}: {what} {own:e} {other:e} {scale:e}");
+            assert!((own - other).abs() <= 1e-9 * scale, "{control:?}: {what}");
         }
     };
     differ(
         &fast.state.displacement,
         &reference.state.displacement,
+        0.0,
         "displacement",
     );
-    differ(&fast.state.reaction, &reference.state.reaction, "reaction");
+    // What is left of the reactions of a separated body is rounding, some 1e-16 k u.
+    let stiffest = plate.0.springs.stiffness.iter().fold(0.0, |a, &k| f64::max(a, k));
+    let least = 1e-4 * stiffest * largest(&reference.state.displacement);
+    differ(
+        &fast.state.reaction,
+        &reference.state.reaction,
+        least,
+        "reaction",
+    );
     [fast.factorisations, reference.factorisations]
 }
 

@@ -43,6 +43,11 @@ impl LowerMatrix {
         self.symbolic.row_idx_of_col_raw(column)
     }
 
+    /// All stored values.
+    pub fn val(&self) -> &[f64] {
+        &self.values
+    }
+
     pub fn val_of_col(&self, column: usize) -> &[f64] {
         &self.values[self.symbolic.col_range(column)]
     }

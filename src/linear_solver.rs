@@ -4,10 +4,16 @@
 
 pub mod cholesky;
 mod compliance;
+mod elimination_tree;
+mod kernels;
 pub mod lu;
 mod metis;
+mod multifrontal;
 pub mod ordering;
+mod partial_pivoting;
 mod path;
+pub mod supernodes;
+mod triangular;
 pub mod two_level;
 
 use crate::assembly::Lists;
@@ -95,4 +101,12 @@ impl Factor {
             Factor::TwoLevel(_) => Method::TwoLevel,
         }
     }
+}
+
+/// Zeros in pages that the system has yet to give; `None` where it has no room.
+fn zeros(count: usize) -> Option<Vec<f64>> {
+    let mut room = Vec::<f64>::new();
+    room.try_reserve_exact(count).ok()?;
+    drop(room);
+    Some(vec![0.0; count])
 }

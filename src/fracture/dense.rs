@@ -93,10 +93,15 @@ mod tests {
         let matrix = Mat::from_fn(n, n, entry);
         let expected: Vec<f64> = (0..n).map(|k| (k as f64).cos()).collect();
         let product = |x: &[f64]| -> Vec<f64> {
-            (0..n).map(|i| (0..n).map(|j| entry(i, j) * x[j]).sum()).collect()
+            (0..n)
+                .map(|i| (0..n).map(|j| entry(i, j) * x[j]).sum())
+                .collect()
         };
         let mut x = product(&expected);
-        Lu::new(matrix.clone(), 1e-12).ok().expect("regular").solve_in_place(&mut x);
+        Lu::new(matrix.clone(), 1e-12)
+            .ok()
+            .expect("regular")
+            .solve_in_place(&mut x);
         // Rounding times a condition of some hundreds.
         assert!(x.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-11));
         let mut singular = matrix;

@@ -139,7 +139,12 @@ impl Response {
                 look_ahead(problem, state, factorised, solved, values, load)
             });
         } else {
-            response.update = Some(Update::new(problem, factorised, response.solved.clone(), state));
+            response.update = Some(Update::new(
+                problem,
+                factorised,
+                response.solved.clone(),
+                state,
+            ));
         }
         Ok(response)
     }

@@ -15,12 +15,12 @@
 //! with columns −G_F in place of those of z_F.
 
 use super::control::Problem;
+use super::dense::Lu;
 use super::response::Solutions;
 use super::state::State;
 use crate::boundary::Boundary;
 use crate::phases::Phases;
 use crate::statics::{Factorised, Solution};
-use super::dense::Lu;
 use faer::{ColMut, ColRef, Mat};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -45,7 +45,7 @@ const FILL: usize = 64;
 const FACTORISATION: f64 = 4.0;
 const ASSEMBLY: f64 = 200.0;
 const SOLUTION: f64 = 100.0;
-const PER_DOF: f64 = 0.6;
+const PER_DOF: f64 = 1.5;
 const DENSE: f64 = 2.0;
 
 /// What happened since a factorisation, and the response then.
@@ -142,7 +142,8 @@ impl Update {
                 }
             }
         };
-        let solutions = phases.measure("solution", || self.solve(problem, state, &system, &pins))?;
+        let solutions =
+            phases.measure("solution", || self.solve(problem, state, &system, &pins))?;
         state.mechanisms.extend(mechanisms);
         Some(solutions)
     }
@@ -309,10 +310,18 @@ impl Touched {
         } = &self.springs[spring];
         let mut column = vec![0.0; self.dofs.len() - first];
         for &(place, w) in acting {
-            add(&mut column, stiffness * w, &slice(self.compliance.col(place))[first..]);
+            add(
+                &mut column,
+                stiffness * w,
+                &slice(self.compliance.col(place))[first..],
+            );
         }
         for &(place, w) in terms {
-            add(&mut slice_mut(self.system.col_mut(place))[first..], -w, &column);
+            add(
+                &mut slice_mut(self.system.col_mut(place))[first..],
+                -w,
+                &column,
+            );
         }
     }
 
@@ -353,7 +362,11 @@ impl Touched {
         let pins: BTreeSet<usize> = pins.iter().map(|dof| self.place[dof]).collect();
         for (j, &place) in self.active.iter().enumerate() {
             match pins.contains(&place) {
-                true => gather(j, -self.force_unit(place), slice(self.compliance.col(place))),
+                true => gather(
+                    j,
+                    -self.force_unit(place),
+                    slice(self.compliance.col(place)),
+                ),
                 false => gather(j, 1.0, slice(self.system.col(place))),
             }
         }

@@ -10,9 +10,9 @@
 //! needs no more of L than that, in products of dense blocks.
 
 use super::cholesky::Factor;
+use super::supernodes::Supernodes;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::{Accum, Mat, MatRef, Par};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -22,7 +22,7 @@ const BLOCK: usize = 64;
 
 /// Supernodes of L that unit loads enter, ascending, and their rows of X.
 struct Path<'a> {
-    structure: &'a SymbolicSupernodalCholesky<u32>,
+    structure: &'a Supernodes,
     /// By supernode: where its columns' rows of X begin.
     first_row: BTreeMap<usize, usize>,
     rows: usize,
@@ -30,7 +30,7 @@ struct Path<'a> {
 
 impl<'a> Path<'a> {
     /// The supernodes of `columns` and all above them.
-    fn new(structure: &'a SymbolicSupernodalCholesky<u32>, columns: &[usize]) -> Path<'a> {
+    fn new(structure: &'a Supernodes, columns: &[usize]) -> Path<'a> {
         let mut path = Path {
             structure,
             first_row: BTreeMap::new(),
@@ -48,7 +48,7 @@ impl<'a> Path<'a> {
         for &column in columns {
             let mut next = Some(self.supernode_of(column));
             while let Some(s) = next.filter(|&s| found.insert(s)) {
-                let below = self.structure.supernode(s).pattern();
+                let below = self.structure.rows(s);
                 next = below.first().map(|&row| self.supernode_of(row as usize));
             }
         }
@@ -56,22 +56,21 @@ impl<'a> Path<'a> {
     }
 
     fn supernode_of(&self, column: usize) -> usize {
-        let ends = self.structure.supernode_end();
-        ends.partition_point(|&end| end as usize <= column)
+        self.structure.supernode_of(column)
     }
 
     fn width(&self, s: usize) -> usize {
-        (self.structure.supernode_end()[s] - self.structure.supernode_begin()[s]) as usize
+        self.structure.width(s)
     }
 
     fn row(&self, column: usize) -> usize {
         let s = self.supernode_of(column);
-        self.first_row[&s] + column - self.structure.supernode_begin()[s] as usize
+        self.first_row[&s] + column - self.structure.columns(s).start
     }
 
     /// The rows of X below a supernode's own.
     fn rows_below(&self, s: usize) -> Vec<usize> {
-        let below = self.structure.supernode(s).pattern();
+        let below = self.structure.rows(s);
         below.iter().map(|&row| self.row(row as usize)).collect()
     }
 }
@@ -132,9 +131,8 @@ impl Factor {
         }
         for s in path.above(columns) {
             let (width, rows) = (path.width(s), &below[&s]);
-            let begin = path.structure.col_ptr_for_val()[s] as usize;
             let height = width + rows.len();
-            let values = &self.values()[begin..begin + height * width];
+            let values = &self.values()[path.structure.block(s)];
             let l = MatRef::from_column_major_slice(values, height, width);
             let (top, bottom) = l.split_at_row(width);
             let mut own = x.as_mut().subrows_mut(path.first_row[&s], width);

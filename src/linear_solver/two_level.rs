@@ -4,8 +4,8 @@
 //! M⁻¹ = D⁻¹ + P (Pᵀ K P)⁻¹ Pᵀ
 //! ```
 //!
-//! D is the 2 × 2 diagonal of K, one block per node. P moves *aggregates* of nodes as rigid bodies, two
-//! shifts and a turn each; Pᵀ K P is factorised by Cholesky. Bonds reach as far as the aggregates are
+//! D is the 2 × 2 diagonal of K, one block per node. P moves *aggregates* of nodes: two shifts, a turn and
+//! a growth in all directions each; Pᵀ K P is factorised by Cholesky. Bonds reach as far as the aggregates are
 //! wide, so that neither level leaves an error to the other that grows with the system: on a lattice the
 //! number of iterations does not depend on its size (docs/performance.md). An additive method of Schwarz
 //! (Toselli & Widlund 2005, section 3) with the coarse space of smoothed aggregation (Vaněk, Mandel &
@@ -17,13 +17,13 @@
 
 use super::SolverError;
 use super::cholesky::{self, Symbolic};
-use super::ordering::{Ordering, dof_permutation, elimination_order};
+use super::ordering::{Ordering, elimination_order};
 use crate::assembly::{Lists, LowerMatrix};
 use faer::sparse::SymbolicSparseColMat;
 use rayon::prelude::*;
 
-/// Rigid motions of an aggregate.
-const MODES: usize = 3;
+/// Motions of an aggregate: two shifts, a turn, a growth.
+const MODES: usize = 4;
 
 /// Modes are dropped of which supports and the other modes leave a smaller share.
 const INDEPENDENT: f64 = 1e-6;
@@ -205,12 +205,12 @@ impl Aggregates {
                 .map(|(node, &aggregate)| (aggregate, node))
         };
         let members = Lists::collect(count, numbered);
-        let motions = (0..count).into_par_iter();
-        let motions: Vec<Vec<[[f64; MODES]; 2]>> = motions
-            .map(|aggregate| rigid_motions(members.of(aggregate), positions, is_held))
+        let all = (0..count).into_par_iter();
+        let all: Vec<Vec<[[f64; MODES]; 2]>> = all
+            .map(|aggregate| motions(members.of(aggregate), positions, is_held))
             .collect();
         let mut motion = vec![[[0.0; MODES]; 2]; of.len()];
-        for (aggregate, rows) in motions.into_iter().enumerate() {
+        for (aggregate, rows) in all.into_iter().enumerate() {
             for (&node, rows) in members.of(aggregate).iter().zip(rows) {
                 motion[node as usize] = rows;
             }
@@ -269,9 +269,9 @@ fn root(parent: &mut [u32], mut node: u32) -> u32 {
     node
 }
 
-/// Two shifts and a turn of some nodes, without what is held, orthonormal; zero where they are not
-/// independent.
-fn rigid_motions(
+/// Two shifts, a turn and a growth of some nodes, without what is held, orthonormal; zero where they are
+/// not independent.
+fn motions(
     nodes: &[u32],
     positions: &[[f64; 2]],
     is_held: &[bool],
@@ -286,7 +286,7 @@ fn rigid_motions(
         |node: u32| [0, 1].map(|axis| f64::from(u8::from(!is_held[2 * node as usize + axis])));
     let rows = nodes.iter().map(|&node| {
         let ([x, y], [fx, fy]) = (arm(node).map(|a| a / size), free(node));
-        [[fx, 0.0, -y * fx], [0.0, fy, x * fy]]
+        [[fx, 0.0, -y * fx, x * fx], [0.0, fy, x * fy, y * fy]]
     });
     let mut rows: Vec<[[f64; MODES]; 2]> = rows.collect();
     let product = |rows: &[[[f64; MODES]; 2]], a: usize, b: usize| -> f64 {
@@ -340,8 +340,9 @@ fn factorise_coarse(
         nodes: count,
         status,
     })?;
-    let permutation = order.map(|order| dof_permutation(&order, MODES));
-    let symbolic = Symbolic::with_permutation(matrix.as_ref().symbolic(), permutation)?;
+    // Two dofs to a node: an aggregate is two of them.
+    let order: Vec<u32> = order.iter().flat_map(|&a| [2 * a, 2 * a + 1]).collect();
+    let symbolic = Symbolic::with_order(matrix.as_ref().symbolic(), &order);
     symbolic.factorise(&matrix).map_err(|error| match error {
         SolverError::NotPositiveDefinite { dof } => SolverError::NotPositiveDefinite {
             dof: aggregates.most_moved(dof),
@@ -408,7 +409,7 @@ fn coarse_matrix(graph: &Lists, shares: &[Vec<(u32, Block)>]) -> LowerMatrix {
         let below = below.filter(|&row| row > column).map(|row| {
             let (own, other) = (find(column, row), find(row, column));
             let (own, other) = (own.unwrap_or_default(), other.unwrap_or_default());
-            let block = [0, 1, 2].map(|i| [0, 1, 2].map(|j| own[i][j] + other[j][i]));
+            let block = [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| own[i][j] + other[j][i]));
             (row, block)
         });
         let below: Vec<(usize, Block)> = below.collect();

@@ -23,8 +23,6 @@ pub(super) enum Structure {
         equations: Vec<Equations>,
         pattern: FullPattern,
         symbolic: lu::Symbolic,
-        /// Of K + Kᵀ: L and U have as many entries each where pivots stay on the diagonal.
-        estimate: cholesky::Symbolic,
     },
 }
 
@@ -54,8 +52,8 @@ impl Structure {
                 Method::Direct => {
                     let order = phases.measure("ordering", || order(&pattern.graph))?;
                     Way::Direct(phases.measure("symbolic", || {
-                        cholesky::Symbolic::with_order(pattern.symbolic(), Some(&order))
-                    })?)
+                        cholesky::Symbolic::with_order(pattern.symbolic(), &order)
+                    }))
                 }
                 Method::TwoLevel => Way::TwoLevel(cells::cells(model)),
             };
@@ -71,17 +69,13 @@ impl Structure {
             FullPattern::new(nodes, first_point, &model.springs, &equations)
         });
         let order = phases.measure("ordering", || order(&pattern.graph))?;
-        let (symbolic, estimate) = phases.measure("symbolic", || {
-            let symbolic = lu::Symbolic::new(pattern.symbolic(), &order)?;
-            let lower = pattern.symmetrised();
-            let estimate = cholesky::Symbolic::with_order(lower.as_ref(), Some(&order))?;
-            Ok::<_, SolverError>((symbolic, estimate))
-        })?;
+        let symbolic = phases.measure("symbolic", || {
+            lu::Symbolic::new(pattern.symbolic(), pattern.symmetrised().as_ref(), &order)
+        });
         Ok(Structure::Full {
             equations,
             pattern,
             symbolic,
-            estimate,
         })
     }
 
@@ -163,8 +157,8 @@ impl Structure {
         }
     }
 
-    /// Stored entries of L, or of L and U as long as no pivot leaves the diagonal; zero where there is
-    /// none.
+    /// Stored entries of L, or of L and U as long as pivots stay within their supernodes; zero where there
+    /// is none.
     pub(super) fn factor_entries(&self) -> usize {
         match self {
             Structure::Symmetric {
@@ -172,7 +166,7 @@ impl Structure {
                 ..
             } => symbolic.factor_entries(),
             Structure::Symmetric { .. } => 0,
-            Structure::Full { estimate, .. } => 2 * estimate.factor_entries(),
+            Structure::Full { symbolic, .. } => symbolic.factor_entries(),
         }
     }
 
@@ -187,8 +181,8 @@ impl Structure {
         };
         let is_first = |&(node, cell): &(usize, &u32)| node == *cell as usize;
         let aggregates = cells.iter().enumerate().filter(is_first).count();
-        // Eight around each, three dofs for two.
-        (2.25 * expected_factor_entries(aggregates, 8 * aggregates)) as usize
+        // Eight around each, four dofs for two.
+        (4.0 * expected_factor_entries(aggregates, 8 * aggregates)) as usize
     }
 
     /// Multiplications and additions of a factorisation, under the same condition.
@@ -199,16 +193,14 @@ impl Structure {
                 ..
             } => symbolic.flops(),
             Structure::Symmetric { .. } => 0.0,
-            Structure::Full { estimate, .. } => 2.0 * estimate.flops(),
+            Structure::Full { symbolic, .. } => symbolic.flops(),
         }
     }
 }
 
 fn order(graph: &Lists) -> Result<Vec<u32>, SolverError> {
-    let order = elimination_order(Ordering::Metis, graph);
-    let order = order.map_err(|status| SolverError::Ordering {
+    elimination_order(Ordering::Metis, graph).map_err(|status| SolverError::Ordering {
         nodes: graph.len(),
         status,
-    })?;
-    Ok(order.expect("METIS gives an order"))
+    })
 }

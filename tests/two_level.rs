@@ -298,6 +298,7 @@ output: { pictures: false }
             assert_eq!(method == "two-level", !flags.is_empty());
             let needed = summary["peak_memory_bytes"].as_f64().expect("a size") / 1e6;
             assert!(needed > 100.0, "{needed} MB");
+            println!("{name} {flags:?}: {expected} MB told, {needed} MB taken");
             assert_between(expected / needed, 0.8, 1.2, &format!("{name} {flags:?}"));
         }
     }

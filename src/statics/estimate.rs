@@ -39,6 +39,10 @@ const ENTRY: f64 = 8.0;
 const VECTORS: f64 = 12.0;
 const ITERATIVE_VECTORS: f64 = 20.0;
 
+/// Updates that wait for their parents, with the room that was kept for smaller and larger ones, over
+/// those of one subtree after the other: measured.
+const WAITING: f64 = 1.5;
+
 /// Of a spring in a fracture run: its limits, the length of crack that it stands for, whether it is intact,
 /// twice [bytes].
 const BREAKABLE: f64 = 14.0;
@@ -70,7 +74,8 @@ impl Estimate {
             Method::TwoLevel => (1.0, ITERATIVE_VECTORS),
         };
         let springs = if breaks { model.springs.len() } else { 0 };
-        let solving = ENTRY * (copies * stiffness + factor_entries as f64 + vectors * dofs as f64)
+        let factors = factor_entries as f64 + WAITING * structure.waiting_entries() as f64;
+        let solving = ENTRY * (copies * stiffness + factors + vectors * dofs as f64)
             + BREAKABLE * springs as f64;
         let bytes = held_memory().unwrap_or(0) + solving as u64;
         let seconds = match method {

@@ -170,6 +170,18 @@ impl Structure {
         }
     }
 
+    /// Entries that a factorisation holds beside those of its factors.
+    pub(super) fn waiting_entries(&self) -> usize {
+        match self {
+            Structure::Symmetric {
+                way: Way::Direct(symbolic),
+                ..
+            } => symbolic.waiting_entries(),
+            Structure::Symmetric { .. } => 0,
+            Structure::Full { symbolic, .. } => symbolic.waiting_entries(),
+        }
+    }
+
     /// What L of the coarse level may have: a guess, aggregates being all connected to those around them.
     pub(super) fn expected_coarse_entries(&self) -> usize {
         let Structure::Symmetric {

@@ -4,10 +4,11 @@
 //! make bench-solvers                     # lattices of 100², 200² and 400² points; half an hour
 //! make bench-solvers ARGS='100 200'      # of 100² and 200² points only
 //! cargo bench --bench solvers -- 100     # with the rivals that are there
+//! cargo bench --bench solvers -- 400 rounds=1
 //! ```
 //!
 //! Every solver runs in a process of its own, with one thread and with two, and in turn with the others,
-//! ROUNDS times; each measures itself (median of five after a warm-up; the analysis once) and
+//! three rounds; each measures itself (median of five after a warm-up; the analysis once) and
 //! computes its residuals. The tables have the medians over the rounds: processor time for one thread,
 //! so that a busy machine disturbs less, and wall time for two.
 //!
@@ -27,7 +28,6 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-const ROUNDS: usize = 3;
 const RUNS: usize = 5;
 const MANY: usize = 8;
 const PHASES: [&str; 4] = ["analysis", "numeric", "solve", "solve8"];
@@ -49,11 +49,14 @@ fn main() {
     } else {
         sides
     };
+    let rounds = arguments
+        .iter()
+        .find_map(|a| a.strip_prefix("rounds=")?.parse().ok());
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("solvers");
     std::fs::create_dir_all(&folder).expect("a folder for the matrices");
     let rivals = rivals(&folder);
     for side in sides {
-        compare(side, &rivals, &folder);
+        compare(side, rounds.unwrap_or(3), &rivals, &folder);
     }
 }
 
@@ -146,7 +149,7 @@ impl Record {
     }
 }
 
-fn compare(side: usize, rivals: &[Rival], folder: &Path) {
+fn compare(side: usize, rounds: usize, rivals: &[Rival], folder: &Path) {
     let file = folder.join(format!("lattice_{side}.bin"));
     write(&lattice(side).1, &file);
     println!(
@@ -155,7 +158,7 @@ fn compare(side: usize, rivals: &[Rival], folder: &Path) {
     );
     for threads in [1, 2] {
         let mut records: BTreeMap<usize, Record> = BTreeMap::new();
-        for _ in 0..ROUNDS {
+        for _ in 0..rounds {
             let this = std::env::current_exe().expect("this program has a path");
             let mut own = Command::new(this);
             own.args(["--ours", &side.to_string(), &threads.to_string()]);

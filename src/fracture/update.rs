@@ -45,7 +45,7 @@ const FILL: usize = 64;
 const FACTORISATION: f64 = 4.0;
 const ASSEMBLY: f64 = 200.0;
 const SOLUTION: f64 = 100.0;
-const PER_DOF: f64 = 1.5;
+const PER_DOF: f64 = 0.6;
 const DENSE: f64 = 2.0;
 
 /// What happened since a factorisation, and the response then.

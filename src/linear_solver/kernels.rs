@@ -6,8 +6,8 @@
 use pulp::{Arch, Simd, WithSimd};
 use std::array::from_fn;
 
-/// Columns of L that are worked on together; two at the end of a block, since nodes have two dofs.
-const STRIP: usize = 4;
+/// Columns of L that are worked on together; four and two at the end of a block, since nodes have two dofs.
+const STRIP: usize = 8;
 
 /// Right-hand sides that are.
 const GROUP: usize = 4;
@@ -66,9 +66,16 @@ impl WithSimd for Forward<'_> {
 
 #[inline(always)]
 fn forward<const R: usize>(block: Block, begin: usize, f: &mut [f64]) {
+    let mut begin = begin;
     if begin + STRIP <= block.width {
         forward_strip::<STRIP, R>(block, begin, f);
-    } else {
+        return;
+    }
+    if begin + 4 <= block.width {
+        forward_strip::<4, R>(block, begin, f);
+        begin += 4;
+    }
+    if begin < block.width {
         forward_strip::<2, R>(block, begin, f);
     }
 }

@@ -331,7 +331,8 @@ impl Pattern {
             .collect();
         for (first, diagonals) in beyond {
             for (node, [xx, xy, yy]) in (first..).zip(diagonals) {
-                let [start, second] = [0, 1].map(|axis| self.symbolic.col_range(2 * node + axis).start);
+                let [start, second] =
+                    [0, 1].map(|axis| self.symbolic.col_range(2 * node + axis).start);
                 values[start] += xx;
                 values[start + 1] += xy;
                 values[second] += yy;
@@ -351,7 +352,10 @@ impl Pattern {
     ) -> Vec<[f64; 3]> {
         let first = nodes.start;
         let last = nodes.clone().filter_map(|node| self.graph.of(node).last());
-        let end = last.max().map_or(0, |&last| last as usize + 1).max(nodes.end);
+        let end = last
+            .max()
+            .map_or(0, |&last| last as usize + 1)
+            .max(nodes.end);
         let mut diagonals = vec![[0.0; 3]; end - first];
         for node in nodes.clone() {
             let neighbours = self.upper_neighbours(node);
@@ -361,7 +365,8 @@ impl Pattern {
             let intact = |list: &&u32| is_intact(**list as usize);
             for &s in self.pairs_at.of(node).iter().filter(intact) {
                 let pair = springs.pairs()[s as usize];
-                let (other, block) = column.add_pair(pair, springs.stiffness[s as usize], positions);
+                let (other, block) =
+                    column.add_pair(pair, springs.stiffness[s as usize], positions);
                 for end in [node, other as usize] {
                     let sums = diagonals[end - first].iter_mut().zip(block);
                     sums.for_each(|(sum, share)| *sum += share);

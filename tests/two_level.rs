@@ -48,7 +48,12 @@ fn plate(half: f64, coupling: Coupling) -> Model {
         surface_correction: SurfaceCorrection::Force,
         ..paper_lattice(DX, Placement::CellCentred)
     };
-    let mut regions = vec![region(&mesh, &["points"], steel(), Method::Peridynamics(settings))];
+    let mut regions = vec![region(
+        &mesh,
+        &["points"],
+        steel(),
+        Method::Peridynamics(settings),
+    )];
     if half < 0.05 {
         regions.push(region(&mesh, &["grips"], steel(), Method::FiniteElements));
     }
@@ -156,7 +161,11 @@ fn a_solution_is_its_own_guess() {
     let second = solve(Some(&first.displacement));
     assert_eq!(first.displacement, second.displacement);
     // A guess that is off is no worse than none.
-    let off: Vec<[f64; 2]> = first.displacement.iter().map(|u| u.map(|u| 1.1 * u + 1e-7)).collect();
+    let off: Vec<[f64; 2]> = first
+        .displacement
+        .iter()
+        .map(|u| u.map(|u| 1.1 * u + 1e-7))
+        .collect();
     let third = solve(Some(&off));
     assert!(third.residual < 1e-10);
     assert!(difference(&third.displacement, &first.displacement) < 1e-9);
@@ -193,7 +202,11 @@ fn a_part_that_floats_is_found() {
         }
         let held = solver.solve(&intact, &[upper.clone()], &mut phases);
         let held = held.expect("a solution");
-        assert!(upper.iter().all(|&node| held.displacement[node] == [0.0; 2]));
+        assert!(
+            upper
+                .iter()
+                .all(|&node| held.displacement[node] == [0.0; 2])
+        );
         let lower = (0..model.node_count()).find(|&n| !is_upper(n as u32));
         let u = held.displacement[lower.expect("a point")];
         // The lower part follows its support as a rigid body.
@@ -285,7 +298,9 @@ output: { pictures: false }
                 all
             };
             let checked = place.call(&arguments("check")).succeeded().out;
-            let expected = checked.lines().find_map(|l| l.trim().strip_prefix("to expect"));
+            let expected = checked
+                .lines()
+                .find_map(|l| l.trim().strip_prefix("to expect"));
             let expected: f64 = expected
                 .and_then(|text| text.split_whitespace().next()?.parse().ok())
                 .unwrap_or_else(|| panic!("{checked}"));

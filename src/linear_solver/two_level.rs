@@ -271,11 +271,7 @@ fn root(parent: &mut [u32], mut node: u32) -> u32 {
 
 /// Two shifts, a turn and a growth of some nodes, without what is held, orthonormal; zero where they are
 /// not independent.
-fn motions(
-    nodes: &[u32],
-    positions: &[[f64; 2]],
-    is_held: &[bool],
-) -> Vec<[[f64; MODES]; 2]> {
+fn motions(nodes: &[u32], positions: &[[f64; 2]], is_held: &[bool]) -> Vec<[[f64; MODES]; 2]> {
     let at = |node: u32| positions[node as usize];
     let count = nodes.len() as f64;
     let centre = [0, 1].map(|axis| nodes.iter().map(|&n| at(n)[axis]).sum::<f64>() / count);

@@ -183,7 +183,7 @@ fn compare(side: usize, rounds: usize, rivals: &[Rival], folder: &Path) {
         for _ in 0..rounds {
             let this = std::env::current_exe().expect("this program has a path");
             let mut own = Command::new(this);
-            own.args(["--ours", &side.to_string(), &threads.to_string()]);
+            own.args(["--solver=ours", &side.to_string(), &threads.to_string()]);
             records.entry(0).or_default().read(&run(own, "peristitch"));
             for (k, rival) in rivals.iter().enumerate() {
                 let mut command = Command::new(&rival.command[0]);

@@ -22,8 +22,8 @@ use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::{Conj, MatMut, Par, Side};
-use peristitch::assembly::{LowerMatrix, Pattern};
 use peristitch::assembly::stiffness::Stiffness;
+use peristitch::assembly::{LowerMatrix, Pattern};
 use peristitch::geometry::Outline;
 use peristitch::linear_solver::cholesky::Symbolic;
 use peristitch::linear_solver::ordering::{Ordering, elimination_order};

@@ -368,9 +368,8 @@ impl Solver<'_> {
     /// How many springs with stiffness act on a node.
     fn springs_at(&self, node: usize) -> usize {
         let springs = &self.model.springs;
-        let acts = |&s: &usize| {
-            springs.stiffness[s] != 0.0 && springs.nodes(s).contains(&(node as u32))
-        };
+        let acts =
+            |&s: &usize| springs.stiffness[s] != 0.0 && springs.nodes(s).contains(&(node as u32));
         (0..springs.len()).filter(acts).count()
     }
 }

@@ -76,7 +76,10 @@ fn solutions_are_those_of_faer() {
         let (pattern, matrix) = system(&model(middle, side));
         let n = matrix.ncols();
         let b = loads(n, 1);
-        let faer = matrix.as_ref().sp_cholesky(Side::Lower).expect("positive definite");
+        let faer = matrix
+            .as_ref()
+            .sp_cholesky(Side::Lower)
+            .expect("positive definite");
         let expected = faer.solve(faer::Col::from_fn(n, |i| b[i]));
         let largest = (0..n).map(|i| expected[i].abs()).fold(0.0, f64::max);
         for ordering in [Ordering::Metis, Ordering::Amd] {

@@ -200,7 +200,7 @@ fn a_part_that_floats_is_found() {
             };
             assert!(y > 0.07);
         }
-        let held = solver.solve(&intact, &[upper.clone()], &mut phases);
+        let held = solver.solve(&intact, std::slice::from_ref(&upper), &mut phases);
         let held = held.expect("a solution");
         assert!(
             upper
@@ -288,7 +288,7 @@ output: { pictures: false }
     for (name, loading) in [("once", ""), ("breaks", breaking)] {
         place.write(
             &format!("{name}.yaml"),
-            &format!("name: {name}{body}{loads}{loading}"),
+            format!("name: {name}{body}{loads}{loading}"),
         );
         for flags in [&[][..], &["--iterative-solver"]] {
             let pipeline = format!("{name}.yaml");

@@ -400,7 +400,7 @@ fn coarse_matrix(graph: &Lists, shares: &[Vec<(u32, Block)>]) -> LowerMatrix {
         share.map(|&(_, block)| block)
     };
     let (mut start, mut rows, mut values) = (vec![0u32], Vec::new(), Vec::new());
-    for column in 0..graph.len() {
+    for (column, share) in shares.iter().enumerate() {
         let below = graph.of(column).iter().map(|&row| row as usize);
         let below = below.filter(|&row| row > column).map(|row| {
             let (own, other) = (find(column, row), find(row, column));
@@ -409,10 +409,10 @@ fn coarse_matrix(graph: &Lists, shares: &[Vec<(u32, Block)>]) -> LowerMatrix {
             (row, block)
         });
         let below: Vec<(usize, Block)> = below.collect();
-        let diagonal = shares[column][0].1;
+        let diagonal = share[0].1;
         for mode in 0..MODES {
-            for i in mode..MODES {
-                let value = diagonal[i][mode];
+            for (i, row) in diagonal.iter().enumerate().skip(mode) {
+                let value = row[mode];
                 rows.push((MODES * column + i) as u32);
                 values.push(if i == mode && value == 0.0 {
                     1.0

@@ -2,7 +2,7 @@
 //! is symmetric and LU where it is not, solution and its residual, each apart from the others.
 
 pub mod cholesky;
-mod compliance;
+pub mod compliance;
 pub mod lu;
 mod metis;
 mod path;

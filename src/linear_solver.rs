@@ -5,8 +5,8 @@ pub mod cholesky;
 pub mod compliance;
 pub mod lu;
 mod metis;
-mod path;
 pub mod ordering;
+mod path;
 
 use thiserror::Error;
 

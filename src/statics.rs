@@ -381,7 +381,11 @@ impl Factorised {
         for (k, _) in rows.iter().enumerate().filter(|(_, d)| self.is_held(**d)) {
             inverse.row_mut(k).fill(0.0);
         }
-        for (k, _) in columns.iter().enumerate().filter(|(_, d)| self.is_held(**d)) {
+        for (k, _) in columns
+            .iter()
+            .enumerate()
+            .filter(|(_, d)| self.is_held(**d))
+        {
             inverse.col_mut(k).fill(0.0);
         }
         Some(inverse)

@@ -66,6 +66,8 @@ pub struct Ahead {
     moments: Vec<Moment>,
     /// The largest relative residual between zones.
     pub residual: f64,
+    /// How many zones it took.
+    pub zones: usize,
 }
 
 impl Ahead {
@@ -98,7 +100,9 @@ impl Ahead {
         moment: usize,
     ) -> Solutions {
         let gone = self.moments[moment].gone;
-        let found = self.gone.solutions(problem, phase, &self.factorised, base, gone);
+        let found = self
+            .gone
+            .solutions(problem, phase, &self.factorised, base, gone);
         found.expect("all moments are held")
     }
 }
@@ -127,6 +131,7 @@ pub fn look_ahead(
             gone: Gone::default(),
             moments: Vec::new(),
             residual: 0.0,
+            zones: 0,
         },
     };
     let mut here = Here {
@@ -135,6 +140,7 @@ pub fn look_ahead(
         load,
     };
     while let Some((next, cost)) = scout.cross(here, costs.dofs) {
+        scout.ahead.zones += 1;
         costs.add(cost, scout.ahead.gone.order.len());
         match next {
             Some(next) if !costs.is_due(scout.ahead.gone.touched()) => here = next,
@@ -166,7 +172,7 @@ const SOLUTION: f64 = 100.0;
 /// The dofs of a zone: per bond they cost n², and the solutions at its end 1/n. The third root is the
 /// optimum, its factor measured.
 const DOFS: f64 = 50.0;
-const FEWEST_DOFS: f64 = 500.0;
+const FEWEST_DOFS: f64 = 1200.0;
 
 impl Costs {
     fn new(factorised: &Factorised) -> Costs {
@@ -241,7 +247,9 @@ impl Scout<'_> {
         let zone = Zone::new(problem, &self.intact, &nodes);
         let start = (self.ahead.gone).start(&self.ahead.factorised, &zone, self.base)?;
         let on_zone = self.fields.iter();
-        let on_zone = on_zone.map(|v| start.field(&self.ahead.gone, &zone, v)).collect();
+        let on_zone = on_zone
+            .map(|v| start.field(&self.ahead.gone, &zone, v))
+            .collect();
         let mut front = Front::new(&zone, start.compliance(), &solutions, on_zone, values);
         let mut crossing = Crossing {
             zone: &zone,
@@ -262,7 +270,9 @@ impl Scout<'_> {
                 }
             }
             let gone = crossing.gone(count);
-            self.ahead.gone.lose(problem, &zone, &start, &crossing.order[..gone]);
+            self.ahead
+                .gone
+                .lose(problem, &zone, &start, &crossing.order[..gone]);
             let found = self.ahead.gone.solutions(
                 problem,
                 self.phase,
@@ -334,7 +344,10 @@ impl Scout<'_> {
                 gone: self.ahead.gone.order.len() + crossing.order.len(),
                 load,
                 before: due.iter().map(|&(_, s)| s).collect(),
-                after: due.iter().map(|&(k, _)| zone.stretches(k, &front.displacement)).collect(),
+                after: due
+                    .iter()
+                    .map(|&(k, _)| zone.stretches(k, &front.displacement))
+                    .collect(),
                 bonds: bonds.clone(),
             });
             crossing.order.extend(bonds);
@@ -364,7 +377,10 @@ impl Scout<'_> {
             }
             (last, from) = (solutions, to);
         }
-        let loads: Vec<Load> = crossing.moments[from..count].iter().map(|m| m.load).collect();
+        let loads: Vec<Load> = crossing.moments[from..count]
+            .iter()
+            .map(|m| m.load)
+            .collect();
         match self.utilisation(&crossing.zone.ring, last, &loads) < MARGIN {
             true => Ok(()),
             false => Err(from.min(count - 1)),
@@ -374,18 +390,26 @@ impl Scout<'_> {
     /// u_held and u_unit everywhere behind some numbers of events.
     fn displacements(&self, crossing: &Crossing, counts: &[usize]) -> Vec<Solutions> {
         let dofs = self.ahead.factorised.dofs();
-        let cases: Vec<usize> = (0..2).filter(|&c| c == 1 || self.base.held.is_some()).collect();
+        let cases: Vec<usize> = (0..2)
+            .filter(|&c| c == 1 || self.base.held.is_some())
+            .collect();
         let mut forces = vec![0.0; dofs * cases.len() * counts.len()];
-        let pairs = counts.iter().flat_map(|&n| cases.iter().map(move |&c| (n, c)));
+        let pairs = counts
+            .iter()
+            .flat_map(|&n| cases.iter().map(move |&c| (n, c)));
         for ((count, case), all) in pairs.zip(forces.chunks_exact_mut(dofs)) {
             let u = &crossing.ends[count - 1][case];
             let gone = &crossing.order[..crossing.gone(count)];
             let own = crossing.zone.forces(gone, u);
             let gone = &self.ahead.gone;
-            crossing.start.add_forces(gone, crossing.zone, case, &own, all);
+            crossing
+                .start
+                .add_forces(gone, crossing.zone, case, &own, all);
         }
         if !forces.is_empty() {
-            self.ahead.factorised.respond(&mut forces, cases.len() * counts.len());
+            self.ahead
+                .factorised
+                .respond(&mut forces, cases.len() * counts.len());
         }
         let moved = |before: &Solution, change: &[f64]| Solution {
             displacement: (before.displacement.iter().zip(change.chunks_exact(2)))
@@ -415,7 +439,10 @@ impl Scout<'_> {
             .collect();
         // False for what is not a number.
         let is_exact = ends[1].residual() <= DRIFT;
-        is_exact && ends.iter().all(|u| self.utilisation(&outside, u, &loads) < MARGIN)
+        is_exact
+            && ends
+                .iter()
+                .all(|u| self.utilisation(&outside, u, &loads) < MARGIN)
     }
 
     /// A bound of the largest stretch over its limit of some springs under any of the loads: convex in

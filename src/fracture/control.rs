@@ -231,5 +231,7 @@ fn break_bonds(
         Control::EventDriven => response.bonds_at_limit(problem, state, load),
         _ => response.bonds_over_limit(problem, state, load),
     });
-    phases.measure("loose parts", || state.break_bonds(problem, response, &bonds))
+    phases.measure("loose parts", || {
+        state.break_bonds(problem, response, &bonds)
+    })
 }

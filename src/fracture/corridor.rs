@@ -18,7 +18,7 @@ const TIP: f64 = 0.85;
 /// Half the width of a strip, how far it goes back behind the tip, how far apart two tips are, and how far
 /// back the way of a crack is read, in horizons.
 const HALF_WIDTH: f64 = 1.5;
-const BACK: f64 = 1.0;
+const BACK: f64 = 2.0;
 const APART: f64 = 2.0;
 const WAKE: f64 = 4.0;
 
@@ -49,7 +49,9 @@ pub fn nodes(
     let length = |&(s, _): &(usize, f64)| model.springs.length(s, &model.positions);
     let horizon = strained.iter().map(length).fold(0.0, f64::max);
     let tips = tips(problem, intact, &strained, horizon);
-    // How far along a strip of the half-width a node stands; a disc fills as fast.
+    // How far along a strip of the half-width a node stands; a disc fills as fast. What lies beside a strip
+    // is taken when that comes to its end.
+    let beside = 1e6 * horizon;
     let mut key = vec![f64::INFINITY; model.node_count()];
     let half_width = HALF_WIDTH * horizon;
     for (key, x) in key.iter_mut().zip(&model.positions) {
@@ -59,7 +61,11 @@ pub fn nodes(
                 Some([a, b]) => {
                     let (along, aside) = (a * r[0] + b * r[1], a * r[1] - b * r[0]);
                     let inside = aside.abs() < half_width && along > -BACK * horizon;
-                    if inside { along.max(0.0) } else { f64::INFINITY }
+                    if inside {
+                        along.max(0.0)
+                    } else {
+                        beside + r[0].hypot(r[1])
+                    }
                 }
                 None => std::f64::consts::PI * (r[0] * r[0] + r[1] * r[1]) / (2.0 * half_width),
             };
@@ -95,12 +101,7 @@ fn mean(places: &[[f64; 2]]) -> [f64; 2] {
     [0, 1].map(|k| places.iter().map(|p| p[k]).sum::<f64>() / places.len() as f64)
 }
 
-fn tips(
-    problem: &Problem,
-    intact: &[bool],
-    strained: &[(usize, f64)],
-    horizon: f64,
-) -> Vec<Tip> {
+fn tips(problem: &Problem, intact: &[bool], strained: &[(usize, f64)], horizon: f64) -> Vec<Tip> {
     let mut by_strain: Vec<(usize, f64)> = strained.to_vec();
     by_strain.retain(|&(_, utilisation)| utilisation > TIP);
     by_strain.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));

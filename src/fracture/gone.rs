@@ -159,18 +159,20 @@ impl Gone {
         let (known, mut new) = (self.dofs.len(), Vec::new());
         for &bond in bonds {
             let mut terms = Vec::new();
-            model.springs.for_each_term(bond, &model.positions, |node, w| {
-                for (axis, w) in w.into_iter().enumerate() {
-                    let dof = 2 * node as usize + axis;
-                    let next = self.dofs.len();
-                    let place = *self.place.entry(dof).or_insert(next);
-                    if place == next {
-                        self.dofs.push(dof);
-                        new.push(zone.dofs.binary_search(&dof).expect("a dof of the zone"));
+            model
+                .springs
+                .for_each_term(bond, &model.positions, |node, w| {
+                    for (axis, w) in w.into_iter().enumerate() {
+                        let dof = 2 * node as usize + axis;
+                        let next = self.dofs.len();
+                        let place = *self.place.entry(dof).or_insert(next);
+                        if place == next {
+                            self.dofs.push(dof);
+                            new.push(zone.dofs.binary_search(&dof).expect("a dof of the zone"));
+                        }
+                        terms.push((place, w));
                     }
-                    terms.push((place, w));
-                }
-            });
+                });
             self.order.push(bond);
             let stiffness = model.springs.stiffness[bond];
             self.springs.push(Spring { stiffness, terms });
@@ -258,7 +260,11 @@ impl Start {
     pub fn field(&self, gone: &Gone, zone: &Zone, v: &[f64]) -> Vec<f64> {
         let mut own: Vec<f64> = zone.dofs.iter().map(|&d| v[d]).collect();
         for (j, own) in own.iter_mut().enumerate() {
-            let moved = self.moved.col(j).iter().zip(&gone.dofs[..self.moved.nrows()]);
+            let moved = self
+                .moved
+                .col(j)
+                .iter()
+                .zip(&gone.dofs[..self.moved.nrows()]);
             *own += moved.map(|(m, &dof)| m * v[dof]).sum::<f64>();
         }
         own
@@ -277,7 +283,11 @@ impl Start {
         let mut passed_on = vec![0.0; touched];
         for (j, &f) in own.iter().enumerate().filter(|(_, f)| **f != 0.0) {
             let column = self.moved.col(j).try_as_col_major();
-            add(&mut passed_on, f, column.expect("stored by columns").as_slice());
+            add(
+                &mut passed_on,
+                f,
+                column.expect("stored by columns").as_slice(),
+            );
         }
         for (&dof, f) in gone.dofs.iter().zip(passed_on) {
             all[dof] += f;

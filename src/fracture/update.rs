@@ -15,12 +15,12 @@
 //! with columns −G_F in place of those of z_F.
 
 use super::control::Problem;
+use super::dense::Lu;
 use super::response::Solutions;
 use super::state::State;
 use crate::boundary::Boundary;
 use crate::phases::Phases;
 use crate::statics::{Factorised, Solution};
-use super::dense::Lu;
 use faer::{ColRef, Mat};
 use std::collections::BTreeMap;
 
@@ -94,7 +94,9 @@ impl Update {
         }
         let gone = &state.broken[self.first..];
         let pins = self.pins(state);
-        let new = self.touched.enter(problem, &state.broken[self.known..], &pins);
+        let new = self
+            .touched
+            .enter(problem, &state.broken[self.known..], &pins);
         if !self.costs.add(self.touched.dofs.len(), new) {
             return None;
         }
@@ -225,7 +227,11 @@ impl Touched {
         } = &self.springs[spring];
         let mut column = vec![0.0; self.dofs.len() - first];
         for &(place, w) in acting {
-            add(&mut column, stiffness * w, &slice(self.compliance.col(place))[first..]);
+            add(
+                &mut column,
+                stiffness * w,
+                &slice(self.compliance.col(place))[first..],
+            );
         }
         for &(place, w) in terms {
             let own = self.system.col_mut(place).try_as_col_major_mut();

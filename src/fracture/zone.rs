@@ -10,6 +10,9 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use rayon::prelude::*;
 
+/// A node with a larger share of its springs across the edge of the zone is at its rim.
+const RIM_SHARE: f64 = 0.4;
+
 /// Below this d the bond was about the last to hold something: what is left is a mechanism, or too close
 /// to one for the update.
 const LEAST_DENOMINATOR: f64 = 1e-7;
@@ -45,6 +48,12 @@ enum Place {
     Outside,
 }
 
+/// Whether a node is at the rim: the more of its springs leave the zone, the closer are those that it does
+/// not see.
+fn is_rim(inside: usize, across: usize) -> bool {
+    across as f64 > RIM_SHARE * (inside + across) as f64
+}
+
 impl Zone {
     pub fn new(problem: &Problem, intact: &[bool], nodes: &[usize]) -> Zone {
         let model = problem.model;
@@ -71,13 +80,20 @@ impl Zone {
                 .collect()
         };
         let is_in = |&node: &u32| places[node as usize] != Place::Outside;
-        let (inside, across): (Vec<usize>, Vec<usize>) = (touching(&is_in).into_iter())
-            .partition(|&s| model.springs.nodes(s).iter().all(is_in));
-        for &node in across.iter().flat_map(|&s| model.springs.nodes(s)) {
-            let place = &mut places[node as usize];
+        let (inside, across): (Vec<usize>, Vec<usize>) =
+            (touching(&is_in).into_iter()).partition(|&s| model.springs.nodes(s).iter().all(is_in));
+        // How many springs of a node stay in the zone, and how many do not.
+        let mut counts = vec![[0usize; 2]; model.node_count()];
+        for (list, which) in [(&inside, 0), (&across, 1)] {
+            for &node in list.iter().flat_map(|&s| model.springs.nodes(s)) {
+                counts[node as usize][which] += 1;
+            }
+        }
+        for (place, [own, others]) in places.iter_mut().zip(counts) {
             *place = match *place {
-                Place::Inside(k) | Place::Rim(k) => Place::Rim(k),
-                Place::Next | Place::Outside => Place::Next,
+                Place::Outside if others > 0 => Place::Next,
+                Place::Inside(k) if is_rim(own, others) => Place::Rim(k),
+                place => place,
             };
         }
         inside.iter().for_each(|&s| zone.add(problem, &places, s));
@@ -130,7 +146,9 @@ impl Zone {
     /// Stretches of every spring, nothing for those that have gone.
     pub fn survey(&self, front: &Front) -> Vec<(usize, [f64; 2])> {
         let there = (0..self.springs.len()).filter(|&k| front.intact[k]);
-        there.map(|k| (k, self.stretches(k, &front.displacement))).collect()
+        there
+            .map(|k| (k, self.stretches(k, &front.displacement)))
+            .collect()
     }
 
     pub fn limit(&self, place: usize) -> CriticalStretch {

@@ -145,10 +145,18 @@ impl Factor {
         let mut beside = Mat::zeros(columns.len(), most.unwrap_or(0));
         let loaded = above(self.supernodes(), columns);
         for step in path.steps.iter().filter(|s| loaded.contains(&s.supernode)) {
-            self.step_up(step, x.as_mut(), beside.as_mut().subcols_mut(0, step.below.len()));
+            self.step_up(
+                step,
+                x.as_mut(),
+                beside.as_mut().subcols_mut(0, step.below.len()),
+            );
         }
         for step in path.steps.iter().rev() {
-            self.step_down(step, x.as_mut(), beside.as_mut().subcols_mut(0, step.below.len()));
+            self.step_down(
+                step,
+                x.as_mut(),
+                beside.as_mut().subcols_mut(0, step.below.len()),
+            );
         }
         x
     }
@@ -189,7 +197,14 @@ impl Factor {
             beside.as_mut().col_mut(i).copy_from(above);
         }
         let mut own = x.subcols_mut(step.first_row, step.width);
-        matmul(own.as_mut(), Accum::Add, beside.as_ref(), below, -1.0, Par::Seq);
+        matmul(
+            own.as_mut(),
+            Accum::Add,
+            beside.as_ref(),
+            below,
+            -1.0,
+            Par::Seq,
+        );
         solve_upper_triangular_in_place(diagonal.transpose(), own.transpose_mut(), Par::Seq);
     }
 }

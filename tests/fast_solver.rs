@@ -201,7 +201,9 @@ fn plate_mode_i(spacing: &str) -> ((Model, Limits), Programme) {
         "loading.control=event-driven".to_owned(),
     ];
     let plan = Plan::read(&pipeline, &settings, None).expect("a sound pipeline");
-    let (model, _, _) = discretised(&plan, &Options::default()).expect("a sound mesh");
+    let mut options = Options::default();
+    options.gmsh.worker = Some(env!("CARGO_BIN_EXE_peristitch").into());
+    let (model, _, _) = discretised(&plan, &options).expect("a sound mesh");
     let programme = programme(&plan, &model).expect("sound loads");
     let limits = limits(&plan, &model);
     ((model, limits), programme)

@@ -38,7 +38,7 @@ const MARGIN: f64 = 0.95;
 
 /// A zone is used up when a bond at its rim comes nearer than this to its limit, or than halfway to
 /// [`MARGIN`] from where it was.
-const RIM: f64 = 0.8;
+const RIM: f64 = 0.93;
 
 /// Looks at the bonds next to a zone while it lasts.
 const LOOKS: usize = 4;
@@ -262,12 +262,9 @@ impl Scout<'_> {
         let first = self.ahead.gone.order.len();
         let mut count = crossing.moments.len();
         while count > 0 {
-            match self.look(&crossing, &solutions, count) {
-                Ok(()) => {}
-                Err(fewer) => {
-                    count = fewer;
-                    continue;
-                }
+            if let Err(fewer) = self.look(&crossing, &solutions, count) {
+                count = fewer;
+                continue;
             }
             let gone = crossing.gone(count);
             self.ahead
@@ -335,7 +332,7 @@ impl Scout<'_> {
             let is_due = |&&(k, s): &&(usize, [f64; 2])| is_at_limit(s, zone.limit(k), load, TIE);
             let due: Vec<(usize, [f64; 2])> = stretches.iter().filter(is_due).copied().collect();
             let values = front.values.clone();
-            let bonds: Vec<usize> = due.iter().map(|&(k, _)| zone.spring(k)).collect();
+            let bonds: Vec<usize> = due.iter().map(|&(k, _)| zone.springs[k]).collect();
             if !bonds.iter().all(|&bond| front.release(zone, bond)) {
                 return false;
             }
@@ -434,9 +431,10 @@ impl Scout<'_> {
     /// must be a solution.
     fn is_sound(&self, crossing: &Crossing, ends: [&Solutions; 2], count: usize) -> bool {
         let loads: Vec<Load> = crossing.moments[..count].iter().map(|m| m.load).collect();
-        let outside: Vec<usize> = (0..self.intact.len())
-            .filter(|&s| self.intact[s] && crossing.zone.place(s).is_none())
-            .collect();
+        let mut seen = crossing.zone.springs.iter().peekable();
+        let is_outside = |&spring: &usize| seen.next_if_eq(&&spring).is_none();
+        let intact = (0..self.intact.len()).filter(|&s| self.intact[s]);
+        let outside: Vec<usize> = intact.filter(is_outside).collect();
         // False for what is not a number.
         let is_exact = ends[1].residual() <= DRIFT;
         is_exact

@@ -17,7 +17,7 @@ const TIP: f64 = 0.85;
 
 /// Half the width of a strip, how far it goes back behind the tip, how far apart two tips are, and how far
 /// back the way of a crack is read, in horizons.
-const HALF_WIDTH: f64 = 1.5;
+const HALF_WIDTH: f64 = 1.25;
 const BACK: f64 = 2.0;
 const APART: f64 = 2.0;
 const WAKE: f64 = 4.0;

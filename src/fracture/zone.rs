@@ -25,7 +25,7 @@ pub struct Zone {
     /// Dofs of the nodes, ascending.
     pub dofs: Vec<usize>,
     /// Ascending, and where the terms of each begin.
-    springs: Vec<usize>,
+    pub springs: Vec<usize>,
     start: Vec<usize>,
     /// The springs' w by place in `dofs` [-].
     terms: Vec<(u32, f64)>,
@@ -157,10 +157,6 @@ impl Zone {
 
     pub fn is_at_rim(&self, place: usize) -> bool {
         self.is_at_rim[place]
-    }
-
-    pub fn spring(&self, place: usize) -> usize {
-        self.springs[place]
     }
 
     /// The forces k (w·u) w of springs, dof by dof of the zone [N].

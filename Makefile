@@ -12,6 +12,7 @@ help:
 	@echo 'make test   set up what is missing, build, run all tests'
 	@echo 'make setup  set up everything that the two need, and check it'
 	@echo 'make bench  benchmarks'
+	@echo 'make bench-solvers  the linear solver beside CHOLMOD, MUMPS and MKL PARDISO, which this installs; half an hour'
 	@echo 'make lint   formatting, clippy and documentation without a warning'
 
 run:
@@ -28,7 +29,11 @@ setup:
 
 bench:
 	@bash .ci/setup run
-	cargo bench --locked
+	cargo bench --locked --bench phases --bench fracture
+
+bench-solvers:
+	@bash benches/rivals/setup
+	cargo bench --locked --bench solvers -- $(ARGS)
 
 lint: format clippy doc
 
@@ -42,4 +47,4 @@ doc: export RUSTDOCFLAGS = --deny warnings
 doc:
 	cargo doc $(CARGO_FLAGS) --no-deps
 
-.PHONY: help run test setup bench lint format clippy doc
+.PHONY: help run test setup bench bench-solvers lint format clippy doc

@@ -238,8 +238,7 @@ fn factorisation(ordering: Ordering, pattern: &Pattern, matrix: &LowerMatrix, ma
         order();
     });
     row(&format!("ordering: {ordering:?}"), time, memory, None);
-    let analyse =
-        || Symbolic::with_order(pattern.symbolic(), nodes.as_deref()).expect("there is memory");
+    let analyse = || Symbolic::with_order(pattern.symbolic(), &nodes);
     let (symbolic, memory) = gained(analyse);
     let time = median(|| {
         analyse();
@@ -251,12 +250,10 @@ fn factorisation(ordering: Ordering, pattern: &Pattern, matrix: &LowerMatrix, ma
         symbolic.factor_entries() as f64,
         symbolic.flops()
     );
-    for (par, name) in [(Par::Seq, "1 thread"), (Par::rayon(0), "all threads")] {
-        let factorise = || {
-            symbolic
-                .factorise_with(matrix, par)
-                .expect("positive definite")
-        };
+    for (threads, name) in [(1, "1 thread"), (2, "2 threads")] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.expect("a pool");
+        let factorise = || pool.install(|| symbolic.factorise(matrix).expect("positive definite"));
         let (_, memory) = gained(factorise);
         let time = median(|| {
             factorise();

@@ -1,23 +1,33 @@
 //! The command line: arguments → pipelines, progress to standard error, results to standard output.
 //! Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.
 
+mod watch;
+
 use crate::fracture::control::{Ending, Resolution};
+use crate::output::profile;
+use crate::pipeline::damage_picture::DAMAGE_PICTURE;
 use crate::pipeline::folder;
-use crate::pipeline::fracture;
 use crate::pipeline::plan::Plan;
 use crate::pipeline::run::{self, Observer, Options, RunError, Standing};
+use crate::pipeline::scribe;
 use crate::pipeline::source::InputError;
 use crate::pipeline::stamp::Stage;
+use crate::pipeline::yaml;
 use crate::statics::Estimate;
+use crate::trace::Trace;
 use crate::verification::{self, Check, Reference, table};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::mpsc;
 use std::time::{Duration, Instant};
+use watch::Watch;
 
 /// Quasi-static fracture in two dimensions: peridynamics stitched into finite elements.
 #[derive(Parser)]
@@ -32,11 +42,20 @@ Examples:
   peristitch run pipelines/cantilever_hybrid_q8.yaml
   peristitch run pipelines/*.yaml --until mesh
   peristitch run p.yaml --set geometry.parameters.element=5 --set regions.1.horizon=3
+  peristitch watch p.yaml
   peristitch check p.yaml
   peristitch explain p.yaml
   peristitch verify
 
 Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.";
+
+const WATCH_HELP: &str = "\
+Example: open both files in an editor, the picture in a viewer, and
+  peristitch watch pipelines/plate_mode_i.yaml --set regions.1.spacing='1 mm'
+
+A save while a run goes stops it and starts another one. Errors are shown, and the next save runs again.
+Ctrl-C ends it with exit code 130; the results are then those of the last finished run, or a run that
+the same command continues.";
 
 #[derive(Subcommand)]
 enum Command {
@@ -59,6 +78,21 @@ enum Command {
         /// Factorise anew whenever bonds have broken: slow, to check the fast way against
         #[arg(long)]
         reference_solver: bool,
+        /// Write a profile of the run, for chrome://tracing or ui.perfetto.dev
+        #[arg(long, value_name = "FILE", conflicts_with = "dry_run")]
+        trace: Option<PathBuf>,
+        /// Print the numbers and one picture, not every file
+        #[arg(long)]
+        brief: bool,
+    },
+    /// Run, and run again whenever the YAML, the .geo or what it includes is saved
+    #[command(after_help = WATCH_HELP)]
+    Watch {
+        #[command(flatten)]
+        common: Common,
+        /// Number of threads; the results do not depend on it
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+        threads: Option<u16>,
     },
     /// Validate, and print sizes and the memory and time to expect; writes nothing
     Check(Common),
@@ -133,6 +167,8 @@ pub fn main() -> ExitCode {
             dry_run,
             threads,
             reference_solver,
+            trace,
+            brief,
         } => {
             if let Some(threads) = threads {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
@@ -148,14 +184,15 @@ pub fn main() -> ExitCode {
                 },
                 ..Options::default()
             };
-            for_each(&common, |plan| {
-                if dry_run {
-                    announce(plan, &options)
-                } else {
-                    run_one(plan, &options)
-                }
-            })
+            if dry_run {
+                for_each(&common, |plan| announce(plan, &options))
+            } else if let Some(file) = trace {
+                run_traced(&common, options, &file, brief)
+            } else {
+                for_each(&common, |plan| run_one(plan, &options, brief))
+            }
         }
+        Command::Watch { common, threads } => watch_all(common, threads),
         Command::Check(common) => for_each(&common, check),
         Command::Status(common) => for_each(&common, |plan| list(plan, false)),
         Command::Explain(common) => for_each(&common, |plan| list(plan, true)),
@@ -170,6 +207,119 @@ pub fn main() -> ExitCode {
             markdown,
         } => verify(quick, json, markdown),
     }
+}
+
+/// A pipeline that is wrong may become right, but it must be there.
+fn watch_all(common: Common, threads: Option<u16>) -> ExitCode {
+    let missing = common.pipelines.iter().find(|pipeline| !pipeline.is_file());
+    if let Some(Err(error)) = missing.map(|pipeline| common.plan(pipeline)) {
+        return report(error);
+    }
+    if let Err(error) = yaml::parse_overrides(&common.overrides) {
+        return report(error.into());
+    }
+    let mut arguments: Vec<OsString> = Vec::new();
+    for value in &common.overrides {
+        arguments.extend(["--set".into(), value.into()]);
+    }
+    if let Some(folder) = &common.results {
+        arguments.extend(["--results".into(), folder.into()]);
+    }
+    if let Some(threads) = threads {
+        arguments.extend(["--threads".into(), threads.to_string().into()]);
+    }
+    let (sender, interrupts) = mpsc::channel();
+    let set = ctrlc::set_handler(move || {
+        // Nobody listens once the watch is over.
+        let _ = sender.send(());
+    });
+    set.expect("it is set once");
+    let files = common
+        .pipelines
+        .iter()
+        .map(|path| path.display().to_string());
+    let files: Vec<String> = files.collect();
+    eprintln!(
+        "watches {} and their geometry; Ctrl-C ends it",
+        files.join(", ")
+    );
+    let watched = watch::watch(
+        &Watch {
+            pipelines: common.pipelines.clone(),
+            overrides: common.overrides.clone(),
+            arguments,
+        },
+        &interrupts,
+        || keep_apart(&common),
+    );
+    match watched {
+        Ok(()) => ExitCode::from(INTERRUPTED),
+        Err(error) => {
+            let message = format!("cannot start a run: {error}");
+            report(InputError::plain(message, None).into())
+        }
+    }
+}
+
+/// What a shell makes of Ctrl-C.
+const INTERRUPTED: u8 = 130;
+
+/// Whether the pipelines that can be read have results folders of their own; says so if they have not.
+fn keep_apart(common: &Common) -> bool {
+    let plans = common
+        .pipelines
+        .iter()
+        .map(|pipeline| common.plan(pipeline));
+    let plans: Vec<Plan> = plans.flatten().collect();
+    match check_folders(&plans) {
+        Ok(()) => true,
+        Err(error) => {
+            report(error.into());
+            false
+        }
+    }
+}
+
+/// Runs, and writes the profile of what has run, even if it ends in an error.
+fn run_traced(common: &Common, options: Options, file: &Path, brief: bool) -> ExitCode {
+    if let Err(error) = check_trace(file) {
+        return report(error.into());
+    }
+    let begin = Instant::now();
+    let profiles = RefCell::new(Vec::new());
+    let code = for_each(common, |plan| {
+        let trace = Trace::since(begin);
+        profiles
+            .borrow_mut()
+            .push((plan.name.clone(), trace.clone()));
+        let options = Options {
+            trace,
+            ..options.clone()
+        };
+        run_one(plan, &options, brief)
+    });
+    match profile::write(file, &profiles.into_inner()) {
+        Ok(()) => code,
+        Err(error) => report(error.into()),
+    }
+}
+
+/// A profile that could not be written is told before the run.
+fn check_trace(file: &Path) -> Result<(), InputError> {
+    let folder = file
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.unwrap_or(Path::new("."));
+    let (message, help) = if file.is_dir() {
+        let message = format!("--trace: {} is a folder", file.display());
+        (message, "name a file, such as trace.json")
+    } else if !folder.is_dir() {
+        let message = format!("--trace: there is no folder {}", folder.display());
+        (message, "make it, or name another place")
+    } else {
+        return Ok(());
+    };
+    Err(InputError::plain(message, Some(help.to_owned())))
 }
 
 /// A line per case as it is measured, then the table; fails if a check falls short.
@@ -296,14 +446,20 @@ fn set_up_messages() {
     set.expect("it is set once, before the first message");
 }
 
-fn run_one(plan: &Plan, options: &Options) -> Result<(), RunError> {
+fn run_one(plan: &Plan, options: &Options, brief: bool) -> Result<(), RunError> {
     let mut progress = Progress::new(&plan.name);
     let summary = run::run(plan, options, &mut progress);
     progress.clear();
     let Some(summary) = summary? else {
         return Ok(());
     };
-    print_summary(plan, &summary);
+    println!("\n{}", plan.name);
+    print_numbers(&summary);
+    if brief {
+        print_picture(plan, &summary);
+    } else {
+        print_files(plan, &summary);
+    }
     let fracture = &summary["fracture"];
     match fracture["stopped_because"].as_str() {
         Some(reason) if summary["outcome"] == Ending::Singular.describe() => {
@@ -396,20 +552,35 @@ fn about(time: Duration) -> String {
     format!("about {:.1} s", time.as_secs_f64().max(0.1))
 }
 
-/// Paths and numbers that a person wants to see, to standard output.
-fn print_summary(plan: &Plan, summary: &Value) {
-    let folder = plan.folder.display();
-    println!("\n{}", plan.name);
-    let list = |key: &str| summary[key].as_array().cloned().unwrap_or_default();
-    for probe in list("probes") {
+/// Numbers that a person wants to see, to standard output.
+fn print_numbers(summary: &Value) {
+    for probe in list_in(summary, "probes") {
         print_probe(&probe);
     }
     print_fracture(summary);
     print_reactions(&summary["reactions_n"]);
-    if !summary["fracture"].is_null() {
-        println!("  {folder}/{}  (a line per step)", fracture::HISTORY_FILE);
+}
+
+fn list_in(summary: &Value, key: &str) -> Vec<Value> {
+    summary[key].as_array().cloned().unwrap_or_default()
+}
+
+/// The picture that tells most.
+fn print_picture(plan: &Plan, summary: &Value) {
+    let files = list_in(summary, "files");
+    let is_there = |name: &&str| files.iter().any(|file| file == name);
+    let pictures = [DAMAGE_PICTURE, "displacement_x.png"];
+    if let Some(picture) = pictures.into_iter().find(is_there) {
+        println!("  {}/{picture}", plan.folder.display());
     }
-    for file in list("files")
+}
+
+fn print_files(plan: &Plan, summary: &Value) {
+    let folder = plan.folder.display();
+    if !summary["fracture"].is_null() {
+        println!("  {folder}/{}  (a line per step)", scribe::HISTORY_FILE);
+    }
+    for file in list_in(summary, "files")
         .iter()
         .filter_map(Value::as_str)
         .filter(|file| !file.ends_with(".vtu"))

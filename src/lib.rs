@@ -126,6 +126,13 @@
 //!   Analysis 10, 345–363.
 //! - Liu J. W. H. (1990). The role of elimination trees in sparse factorization. SIAM Journal on
 //!   Matrix Analysis and Applications 11, 134–172.
+//! - Duff I. S., Reid J. K. (1983). The multifrontal solution of indefinite sparse symmetric linear
+//!   equations. ACM Transactions on Mathematical Software 9, 302–325.
+//! - Liu J. W. H. (1992). The multifrontal method for sparse matrix solution: theory and practice. SIAM
+//!   Review 34, 82–109.
+//! - Gilbert J. R., Ng E. G., Peyton B. W. (1994). An efficient algorithm to compute row and column counts
+//!   for sparse Cholesky factorization. SIAM Journal on Matrix Analysis and Applications 15, 1075–1091.
+//! - Davis T. A. (2006). Direct Methods for Sparse Linear Systems. SIAM.
 //! - Karypis G., Kumar V. (1998). A fast and high quality multilevel scheme for partitioning irregular
 //!   graphs. SIAM Journal on Scientific Computing 20, 359–392.
 #![deny(unsafe_code)]
@@ -153,4 +160,5 @@ pub mod pipeline;
 pub mod springs;
 pub mod statics;
 pub mod support;
+pub mod trace;
 pub mod verification;

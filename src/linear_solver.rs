@@ -3,10 +3,16 @@
 
 pub mod cholesky;
 pub mod compliance;
+mod elimination_tree;
+mod kernels;
 pub mod lu;
 mod metis;
+mod multifrontal;
 pub mod ordering;
+mod partial_pivoting;
 mod path;
+pub mod supernodes;
+mod triangular;
 
 use thiserror::Error;
 
@@ -39,4 +45,12 @@ impl Factor {
             Factor::Lu(factor) => factor.solve_in_place(rhs),
         }
     }
+}
+
+/// Zeros in pages that the system has yet to give; `None` where it has no room.
+fn zeros(count: usize) -> Option<Vec<f64>> {
+    let mut room = Vec::<f64>::new();
+    room.try_reserve_exact(count).ok()?;
+    drop(room);
+    Some(vec![0.0; count])
 }

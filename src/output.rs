@@ -5,7 +5,9 @@
 
 pub mod colour;
 pub mod field;
+mod packed;
 pub mod picture;
+pub mod profile;
 pub mod pvd;
 pub mod vtu;
 

@@ -1,11 +1,13 @@
 //! What a run costs: the wall time of each phase, and the most memory that the whole has held.
 
+use crate::trace::{Kind, Trace};
+use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
 /// One named phase.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Phase {
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Of all its runs together.
     pub time: Duration,
     /// How often it ran.
@@ -16,11 +18,12 @@ pub struct Phase {
 #[derive(Clone, Debug, Default)]
 pub struct Phases {
     pub list: Vec<Phase>,
+    trace: Trace,
 }
 
 impl Phases {
     /// The phases of [`crate::statics::solve`].
-    pub const STATICS: [&'static str; 14] = [
+    pub const STATICS: [&'static str; 9] = [
         "support",
         "elements",
         "pattern",
@@ -30,23 +33,37 @@ impl Phases {
         "supports",
         "factorisation",
         "solution",
-        "active zone",
-        "stretches",
-        "loose parts",
-        "compliance",
-        "update",
     ];
+
+    /// What no other phase claims.
+    pub const OTHER: &'static str = "other";
+
+    /// No phase yet; each that is measured leaves a span in `trace`.
+    pub fn traced(trace: Trace) -> Phases {
+        Phases {
+            list: Vec::new(),
+            trace,
+        }
+    }
 
     /// Runs `work` and records how long it takes.
     pub fn measure<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
         let start = Instant::now();
         let result = work();
-        self.add(name, start.elapsed(), 1);
+        self.note(name, start);
         result
     }
 
-    /// Records `count` runs that took `time` together.
-    pub fn add(&mut self, name: &'static str, time: Duration, count: usize) {
+    /// Records what began at `start` and ends now.
+    pub fn note(&mut self, name: &'static str, start: Instant) {
+        let time = start.elapsed();
+        self.trace.record(Kind::Phase, name, start, time);
+        self.add(name, time, 1);
+    }
+
+    /// Records `count` runs that took `time` together, at no particular moment.
+    pub fn add(&mut self, name: impl Into<Cow<'static, str>>, time: Duration, count: usize) {
+        let name = name.into();
         match self.list.iter_mut().find(|phase| phase.name == name) {
             Some(phase) => {
                 phase.time += time;
@@ -56,8 +73,25 @@ impl Phases {
         }
     }
 
+    /// Adds what others have recorded.
+    pub fn append(&mut self, phases: impl IntoIterator<Item = Phase>) {
+        for Phase { name, time, count } in phases {
+            self.add(name, time, count);
+        }
+    }
+
+    /// Records as [`Phases::OTHER`] what the phases leave of `whole`.
+    pub fn complete(&mut self, whole: Duration) {
+        let other = whole.saturating_sub(self.total());
+        self.add(Phases::OTHER, other, 1);
+    }
+
     pub fn total(&self) -> Duration {
         self.list.iter().map(|phase| phase.time).sum()
+    }
+
+    pub fn trace(&self) -> &Trace {
+        &self.trace
     }
 }
 
@@ -67,4 +101,28 @@ pub fn peak_memory() -> Option<u64> {
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
     let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
     Some(1024 * kilobytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn phases_add_up_to_the_whole() {
+        let mut phases = Phases::default();
+        let seconds = Duration::from_secs;
+        phases.add("assembly", seconds(2), 3);
+        phases.add("assembly", seconds(1), 1);
+        phases.complete(seconds(5));
+        let told = |phase: &Phase| (phase.name.to_string(), phase.time, phase.count);
+        let list: Vec<_> = phases.list.iter().map(told).collect();
+        assert_eq!(
+            list,
+            [
+                ("assembly".to_owned(), seconds(3), 4),
+                ("other".to_owned(), seconds(2), 1)
+            ]
+        );
+        assert_eq!(phases.total(), seconds(5));
+    }
 }

@@ -1,13 +1,18 @@
 //! A pipeline file to results: [`spec`] (YAML as written) → [`plan`] (checked) → [`stamp`] (what is
 //! stale) → [`run`].
 
+mod bits;
 mod checkpoint;
-mod damage_picture;
+pub mod costs;
+pub mod damage_picture;
+mod drafter;
 mod files;
 pub mod folder;
 pub mod fracture;
 pub mod history;
+mod made;
 mod meshing;
+mod parts;
 mod pictures;
 pub mod plan;
 pub mod quantity;
@@ -15,9 +20,12 @@ mod reader;
 mod recipe;
 pub mod results;
 pub mod run;
+pub mod scribe;
 pub mod solved;
 pub mod source;
+pub mod sources;
 pub mod spec;
 pub mod stamp;
 pub mod validate;
+mod workshop;
 pub mod yaml;

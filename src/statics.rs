@@ -371,6 +371,14 @@ impl Factorised {
         Some(factor.unit_loads(dofs, |dof| !self.is_held(dof)))
     }
 
+    /// The place of a dof in the order of elimination, of Cholesky's factor.
+    pub fn elimination(&self, dof: usize) -> Option<usize> {
+        match &self.factor {
+            Factor::Cholesky(factor) => Some(factor.column(dof)),
+            Factor::Lu(_) => None,
+        }
+    }
+
     /// K⁻¹ at `rows` for unit forces at `columns`, each of them among `rows` [m/N], without motion at held
     /// dofs; from Cholesky's factor only.
     pub fn compliance_between(&self, rows: &[usize], columns: &[usize]) -> Option<Mat<f64>> {
@@ -423,11 +431,17 @@ impl Factorised {
         change
     }
 
-    /// The solution of a case after springs have gone, from the one before and its change [m].
+    /// ‖f‖₂ of a case over the free dofs, prescribed displacements in f [N].
+    pub fn scale(&self, case: &Boundary) -> f64 {
+        self.system.scale(&self.system.case(case))
+    }
+
+    /// The solution of a case after springs have gone, from the one before and its change [m]; its residual
+    /// is relative to `scale`.
     pub fn without(
         &self,
         model: &Model,
-        case: &Boundary,
+        (case, scale): (&Boundary, f64),
         before: &Solution,
         change: &[f64],
         gone: &[usize],
@@ -444,7 +458,7 @@ impl Factorised {
             let taken = -springs.stiffness[spring] * elongation;
             add_spring_force(&mut force, model, spring, taken);
         }
-        let residual = norm(&case.residual(&force)) / self.system.scale(&case);
+        let residual = norm(&case.residual(&force)) / scale;
         Solution {
             displacement,
             reaction: case.reaction(&force),

@@ -277,7 +277,7 @@ fn the_summary_tells_where_the_time_went() {
         [
             &["gmsh", "discretisation"],
             &statics[..],
-            &["vtu", "pictures"]
+            &[Phases::OTHER, "vtu", "pictures"]
         ]
         .concat()
     );
@@ -287,13 +287,56 @@ fn the_summary_tells_where_the_time_went() {
             .filter_map(|phase| phase[key].as_f64())
             .sum::<f64>()
     };
-    // Sums of thirteen numbers.
+    // Sums of fourteen numbers.
     assert!((sum("share") - 1.0).abs() < 1e-12);
     assert!((sum("seconds") / summary["seconds"].as_f64().expect("a time") - 1.0).abs() < 1e-12);
     for file in summary["files"].as_array().expect("files") {
         assert!(result(file.as_str().expect("a name")).is_file(), "{file}");
     }
     assert_eq!(summary["outcome"], "solved");
+}
+
+#[test]
+fn the_summary_tells_what_went_to_the_disk_and_what_memory_it_took() {
+    let summary = summary();
+    let number = |value: &Value| value.as_f64().expect("a number");
+    for (kind, ending, count) in [("vtu", ".vtu", 3), ("pictures", ".png", 3)] {
+        let account = &summary["written"][kind];
+        let files = summary["files"].as_array().expect("files").iter();
+        let files: Vec<&str> = files
+            .filter_map(Value::as_str)
+            .filter(|file| file.ends_with(ending))
+            .collect();
+        let size = |file: &&str| std::fs::metadata(result(file)).expect("a file").len();
+        let bytes: u64 = files.iter().map(size).sum();
+        assert_eq!(
+            (files.len(), account["files"].as_u64()),
+            (count, Some(count as u64))
+        );
+        assert_eq!(account["bytes"].as_u64(), Some(bytes));
+        let ratio = bytes as f64 / number(&account["raw_bytes"]);
+        assert_eq!(number(&account["ratio"]), ratio);
+        assert!(0.0 < ratio && ratio < 1.0, "{kind}: {ratio}");
+        let rate = number(&account["raw_bytes"]) / 1e6 / number(&account["seconds"]);
+        assert!((number(&account["megabytes_per_second"]) / rate - 1.0).abs() < 1e-12);
+    }
+    // Positions, connectivity, offsets, types and fields of three parts; the bonds' displacements too.
+    let points = 24 * (NODES + POINTS + NODES + POINTS);
+    let [quads, vertices] = [(8 * 8 + 9) * ELEMENTS, (8 + 9) * POINTS];
+    let fields = (24 + 72 + 72) * (NODES + POINTS) + 8 * (ELEMENTS + POINTS) + 16 * POINTS;
+    let lines = read_back(&result(&format!("{NAME}.pvd")))[2]["cells"]
+        .as_u64()
+        .expect("lines");
+    let bonds = 24 * (NODES + POINTS) + (16 + 9 + 8 + 8 + 4) * lines as usize;
+    let raw = points + quads + vertices + fields + bonds;
+    assert_eq!(summary["written"]["vtu"]["raw_bytes"], raw);
+    let memory = &summary["memory"];
+    assert_eq!(
+        memory["factor_bytes"].as_u64(),
+        summary["sizes"]["factor_entries"].as_u64().map(|n| 8 * n)
+    );
+    assert_eq!(memory["peak_bytes"], summary["peak_memory_bytes"]);
+    assert!(number(&memory["peak_over_factor"]) > 1.0);
 }
 
 /// Sizes to the digit, memory within 30 %.

@@ -147,7 +147,7 @@ pub fn run<E: From<StaticsError>>(
         let mut record = Record::default();
         let last_broken = loop {
             state.advance(problem, &response, load);
-            let broken = break_bonds(problem, state, &response, load, phases);
+            let broken = break_bonds(problem, state, &mut response, load, phases);
             if !response.foresees_next() {
                 state.settle(problem, &response);
             }
@@ -223,7 +223,7 @@ fn next_load(problem: &Problem, state: &State, response: &Response) -> Option<Lo
 fn break_bonds(
     problem: &Problem,
     state: &mut State,
-    response: &Response,
+    response: &mut Response,
     load: Load,
     phases: &mut Phases,
 ) -> usize {

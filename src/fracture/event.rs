@@ -84,6 +84,12 @@ impl Bounds {
         }
     }
 
+    /// Whether a load is well within, all that is held acting in full.
+    pub fn allow(&self, load: Load) -> bool {
+        let rest = 1e-9 * load.factor.abs();
+        load.share == 1.0 && self.lower < load.factor - rest && load.factor + rest < self.upper
+    }
+
     /// The load at which the next bond breaks; `last` is λ now, `end` that of the phase's end. If no λ
     /// can carry what is held, all loads together recede until only one bond is at its limit
     /// (proportional unloading, DeJong et al. 2008).

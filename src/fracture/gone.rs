@@ -15,6 +15,7 @@ use super::control::Problem;
 use super::dense::Lu;
 use super::response::Solutions;
 use super::zone::Zone;
+use crate::boundary::Boundary;
 use crate::linear_solver::compliance::UnitLoads;
 use crate::statics::{Factorised, Solution};
 use faer::linalg::matmul::matmul;
@@ -120,7 +121,7 @@ impl Gone {
                 add(own.expect("stored by columns").as_slice_mut(), -w, &column);
             }
         }
-        Lu::new(system, LEAST_PIVOT)
+        Lu::new(system, LEAST_PIVOT).ok()
     }
 
     /// Overwrites columns c on T by M c.
@@ -224,12 +225,13 @@ impl Gone {
         let system = self.system(touched, count)?;
         let forces = self.forces(&system, base, count);
         let (model, programme) = (problem.model, problem.programme);
-        let after = |forces: &[f64], case: &_, before: &Solution| {
+        let after = |forces: &[f64], case: &Boundary, before: &Solution| {
             let mut change = vec![0.0; factorised.dofs()];
             for (&dof, force) in self.dofs.iter().zip(forces) {
                 change[dof] = *force;
             }
             factorised.respond(&mut change, 1);
+            let case = (case, factorised.scale(case));
             factorised.without(model, case, before, &change, &self.order[..count])
         };
         let unit = &programme.phases[phase].boundary;

@@ -26,8 +26,8 @@ use crate::statics::{Factorised, Solution, Solver, StaticsError};
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// A rough stretch of this share of the limit calls for an exact one.
-const NEAR: f64 = 0.999;
+/// A bond at this share of its limit may break soon.
+const NEAR: f64 = 0.8;
 
 /// u_held and u_unit of all nodes.
 #[derive(Clone)]
@@ -96,6 +96,10 @@ pub struct Response {
     ahead: Option<Ahead>,
     next: usize,
     update: Option<Update>,
+    /// Bonds that were near their limit when they were last asked for, and what all of them allow where
+    /// none was over it.
+    near: Vec<usize>,
+    carries: Option<Bounds>,
 }
 
 impl Response {
@@ -120,6 +124,8 @@ impl Response {
             ahead: None,
             next: 0,
             update: None,
+            near: Vec::new(),
+            carries: None,
         };
         if problem.resolution == Resolution::Reference {
             return Ok(response);
@@ -134,7 +140,12 @@ impl Response {
             let zones = response.ahead.as_ref().map_or(1, |ahead| ahead.zones);
             phases.add("active zone", start.elapsed(), zones);
         } else {
-            response.update = Some(Update::new(factorised, response.solved.clone(), state));
+            response.update = Some(Update::new(
+                problem,
+                factorised,
+                response.solved.clone(),
+                state,
+            ));
         }
         Ok(response)
     }
@@ -155,8 +166,9 @@ impl Response {
             return Ok(());
         }
         if let Some(update) = &mut self.update
-            && let Some(solved) = update.renew(problem, state, phases)
+            && let Some(solved) = update.renew(problem, state, &self.near, phases)
         {
+            self.carries = None;
             self.values = solved.values(problem);
             self.solved = solved;
             return Ok(());
@@ -220,36 +232,41 @@ impl Response {
         if let Some((ahead, next)) = self.now() {
             return Event::Break(ahead.moment(next).load);
         }
-        let last = state.load.factor;
+        let end = problem.programme.phases[state.phase].end;
+        let bounds = self.bounds(problem, state);
+        bounds.event(state.load.factor, end)
+    }
+
+    /// What the intact bonds allow.
+    fn bounds(&self, problem: &Problem, state: &State) -> Bounds {
         let of = |s| {
-            Bounds::of(
-                self.solved.stretches(problem, s),
-                problem.limits.of(s),
-                last,
-            )
+            let stretches = self.solved.stretches(problem, s);
+            Bounds::of(stretches, problem.limits.of(s), state.load.factor)
         };
-        let bounds = (0..problem.model.springs.len())
-            .into_par_iter()
-            .filter(|&s| state.intact[s])
-            .map(of)
-            // Maxima and minima: the same in any order.
-            .reduce(|| Bounds::NONE, Bounds::and);
-        bounds.event(last, problem.programme.phases[state.phase].end)
+        // Maxima and minima: the same in any order.
+        let all = intact(problem, state).map(of);
+        all.reduce(|| Bounds::NONE, Bounds::and)
     }
 
     /// Intact bonds that are over their limit under a load.
-    pub fn bonds_over_limit(&self, problem: &Problem, state: &State, load: Load) -> Vec<usize> {
-        let is_over = |&s: &usize| {
-            let limit = problem.limits.of(s);
-            let rough = load.combine(self.solved.rough_stretches(problem, s));
-            limit.utilisation(rough) > NEAR
-                && limit.is_exceeded(load.combine(self.solved.stretches(problem, s)))
+    pub fn bonds_over_limit(&mut self, problem: &Problem, state: &State, load: Load) -> Vec<usize> {
+        if self.carries.is_some_and(|bounds| bounds.allow(load)) {
+            return Vec::new();
+        }
+        let is_near = |&s: &usize| {
+            let stretch = load.combine(self.solved.rough_stretches(problem, s));
+            problem.limits.of(s).is_exceeded(stretch / NEAR)
         };
-        (0..problem.model.springs.len())
-            .into_par_iter()
-            .filter(|&s| state.intact[s])
-            .filter(is_over)
-            .collect()
+        let is_over = |&s: &usize| {
+            let stretch = load.combine(self.solved.stretches(problem, s));
+            problem.limits.of(s).is_exceeded(stretch)
+        };
+        self.near = intact(problem, state).filter(is_near).collect();
+        let over: Vec<usize> = self.near.iter().copied().filter(is_over).collect();
+        if over.is_empty() {
+            self.carries = Some(self.bounds(problem, state));
+        }
+        over
     }
 
     /// Bonds at their limit, or within a small share of it and bound to reach it.
@@ -261,12 +278,16 @@ impl Response {
             let stretches = self.solved.stretches(problem, s);
             is_at_limit(stretches, problem.limits.of(s), load, TIE)
         };
-        (0..problem.model.springs.len())
-            .into_par_iter()
-            .filter(|&s| state.intact[s])
-            .filter(reaches)
-            .collect()
+        intact(problem, state).filter(reaches).collect()
     }
+}
+
+fn intact<'a>(
+    problem: &Problem,
+    state: &'a State,
+) -> impl ParallelIterator<Item = usize> + use<'a> {
+    let springs = (0..problem.model.springs.len()).into_par_iter();
+    springs.with_min_len(4096).filter(|&s| state.intact[s])
 }
 
 fn solve(

@@ -21,8 +21,8 @@ use super::state::State;
 use crate::boundary::Boundary;
 use crate::phases::Phases;
 use crate::statics::{Factorised, Solution};
-use faer::{ColRef, Mat};
-use std::collections::BTreeMap;
+use faer::{ColMut, ColRef, Mat};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The largest relative residual that is not worth a factorisation.
 const DRIFT: f64 = 1e-11;
@@ -30,6 +30,15 @@ const DRIFT: f64 = 1e-11;
 /// A pivot of I − G S below this share of the largest: what is left is a mechanism, or too close to one.
 /// The factorisation that follows finds out.
 const LEAST_PIVOT: f64 = 1e-7;
+
+/// A motion moves a dof that goes farther than this share of the largest.
+const STILL: f64 = 1e-6;
+
+/// More hinges than these at once are for a factorisation to find.
+const MOST_HINGES: usize = 16;
+
+/// So many dofs come in at a time if there are springs to expect them from.
+const FILL: usize = 64;
 
 /// Weights of [`Costs`], measured (docs/performance.md): a sparse factorisation runs at some fifth of the
 /// rate of a dense product, a solution at a hundredth.
@@ -42,7 +51,9 @@ const DENSE: f64 = 2.0;
 /// What happened since a factorisation, and the response then.
 pub struct Update {
     factorised: Factorised,
+    /// u_held and u_unit then, with ‖f‖ of both cases [N].
     base: Solutions,
+    scales: [f64; 2],
     phase: usize,
     /// Bonds that had broken when K was factorised.
     first: usize,
@@ -53,8 +64,19 @@ pub struct Update {
 }
 
 impl Update {
-    pub fn new(factorised: Factorised, base: Solutions, state: &State) -> Update {
+    pub fn new(
+        problem: &Problem,
+        factorised: Factorised,
+        base: Solutions,
+        state: &State,
+    ) -> Update {
+        let held = problem.programme.held(state.phase);
+        let unit = &problem.programme.phases[state.phase].boundary;
         Update {
+            scales: [
+                held.map_or(0.0, |case| factorised.scale(&case)),
+                factorised.scale(unit),
+            ],
             costs: Costs::new(&factorised),
             factorised,
             base,
@@ -64,6 +86,8 @@ impl Update {
             touched: Touched {
                 dofs: Vec::new(),
                 place: BTreeMap::new(),
+                active: Vec::new(),
+                is_active: Vec::new(),
                 compliance: Mat::new(),
                 columns: Vec::new(),
                 springs: Vec::new(),
@@ -82,57 +106,84 @@ impl Update {
         }
     }
 
-    /// u_held and u_unit with the bonds that are gone; `None` where a factorisation is due.
+    /// u_held and u_unit with the bonds that are gone; `None` where a factorisation is due. `near`: springs
+    /// that may go soon.
     pub fn renew(
         &mut self,
         problem: &Problem,
-        state: &State,
+        state: &mut State,
+        near: &[usize],
         phases: &mut Phases,
     ) -> Option<Solutions> {
         if self.costs.is_due() || state.phase != self.phase {
             return None;
         }
-        let gone = &state.broken[self.first..];
-        let pins = self.pins(state);
-        let new = self
-            .touched
-            .enter(problem, &state.broken[self.known..], &pins);
-        if !self.costs.add(self.touched.dofs.len(), new) {
+        let mut pins = self.pins(state);
+        let lost = &state.broken[self.known..];
+        let new = self.touched.enter(problem, lost, &pins);
+        if !self.costs.add(self.touched.active.len(), new) {
             return None;
         }
+        self.touched.expect(problem, near);
         phases.measure("compliance", || self.touched.extend(&self.factorised));
-        let system = phases.measure("update", || {
-            self.touched.lose(problem, &state.broken[self.known..]);
-            Lu::new(self.touched.system(&pins), LEAST_PIVOT)
-        })?;
+        phases.measure("update", || self.touched.lose(problem, lost));
         self.known = state.broken.len();
+        let mut mechanisms = Vec::new();
+        let system = loop {
+            match phases.measure("update", || self.touched.factorise(&pins)) {
+                Ok(system) => break system,
+                Err(_) if mechanisms.len() == MOST_HINGES => return None,
+                Err(motion) => {
+                    let dof = self.touched.last_to_move(&self.factorised, &pins, motion)?;
+                    mechanisms.push(dof);
+                    pins.push(dof);
+                    self.touched.enter(problem, &[], &[dof]);
+                    self.touched.extend(&self.factorised);
+                }
+            }
+        };
+        let solutions =
+            phases.measure("solution", || self.solve(problem, state, &system, &pins))?;
+        state.mechanisms.extend(mechanisms);
+        Some(solutions)
+    }
+
+    fn solve(
+        &self,
+        problem: &Problem,
+        state: &State,
+        system: &Lu,
+        pins: &[usize],
+    ) -> Option<Solutions> {
         let (model, programme) = (problem.model, problem.programme);
-        let gone: Vec<usize> = gone.iter().map(|&s| s as usize).collect();
-        let mut after = |before: &Solution, case: &Boundary| {
-            let start = std::time::Instant::now();
-            let forces = self.touched.forces(&system, &pins, before);
+        let gone = state.broken[self.first..].iter();
+        let gone: Vec<usize> = gone.map(|&spring| spring as usize).collect();
+        let after = |before: &Solution, case: (&Boundary, f64)| {
+            let forces = self.touched.forces(system, pins, before);
             let mut change = self.touched.change(&self.factorised, &forces);
-            for &dof in &pins {
+            for &dof in pins {
                 change[dof] = -before.displacement[dof / 2][dof % 2];
             }
             let solution = self.factorised.without(model, case, before, &change, &gone);
-            phases.add("solution", start.elapsed(), 1);
             // False for what is not a number.
             (solution.residual <= DRIFT).then_some(solution)
         };
-        let unit = after(&self.base.unit, &programme.phases[self.phase].boundary)?;
+        let [of_held, of_unit] = self.scales;
+        let unit = (&programme.phases[self.phase].boundary, of_unit);
+        let unit = after(&self.base.unit, unit)?;
         let held = match (&self.base.held, programme.held(self.phase)) {
-            (Some(before), Some(case)) => Some(after(before, &case)?),
+            (Some(before), Some(case)) => Some(after(before, (&case, of_held))?),
             _ => None,
         };
         Some(Solutions { held, unit })
     }
 
-    /// Dofs of the fragments that have come off since the factorisation.
+    /// Dofs that are held since the factorisation: fragments that have come off, and hinges.
     fn pins(&self, state: &State) -> Vec<usize> {
         let nodes = state.fragments.iter().flatten();
         let dofs = nodes.flat_map(|&node| [2 * node, 2 * node + 1]);
-        dofs.filter(|&dof| !self.factorised.is_held(dof)).collect()
+        let all = dofs.chain(state.mechanisms.iter().copied());
+        all.filter(|&dof| !self.factorised.is_held(dof)).collect()
     }
 }
 
@@ -145,33 +196,65 @@ struct Spring {
     acting: Vec<(usize, f64)>,
 }
 
-/// The dofs that springs acted on which are gone, in the order in which they came in.
+/// Dofs in the order in which they came in: those that springs which are gone acted on are *active*, others
+/// are expected to be.
 struct Touched {
     dofs: Vec<usize>,
     place: BTreeMap<usize, usize>,
+    active: Vec<usize>,
+    is_active: Vec<bool>,
     /// G [m/N].
     compliance: Mat<f64>,
     /// K⁻¹ E, column by column, where K is not symmetric [m/N].
     columns: Vec<f64>,
-    /// What is gone, and I − G S.
+    /// What is gone, and I − G S; columns that are not active are those of I.
     springs: Vec<Spring>,
     system: Mat<f64>,
 }
 
 impl Touched {
-    /// Adds the dofs of springs, and of pins; how many are new.
+    /// Makes the dofs of springs, and pins, active; how many are new.
     fn enter(&mut self, problem: &Problem, springs: &[u32], pins: &[usize]) -> usize {
         let before = self.dofs.len();
         let of_spring = |&spring: &u32| problem.model.springs.nodes(spring as usize);
         let nodes = springs.iter().flat_map(of_spring);
         let dofs = nodes.flat_map(|&node| [2 * node as usize, 2 * node as usize + 1]);
         for dof in dofs.chain(pins.iter().copied()) {
-            let next = self.dofs.len();
-            if *self.place.entry(dof).or_insert(next) == next {
-                self.dofs.push(dof);
+            let place = self.add(dof);
+            if !std::mem::replace(&mut self.is_active[place], true) {
+                self.active.push(place);
             }
         }
         self.dofs.len() - before
+    }
+
+    /// Where a dof stands, now if not before.
+    fn add(&mut self, dof: usize) -> usize {
+        let next = self.dofs.len();
+        let place = *self.place.entry(dof).or_insert(next);
+        if place == next {
+            self.dofs.push(dof);
+            self.is_active.push(false);
+        }
+        place
+    }
+
+    /// Adds dofs of springs that may go soon, where others come in anyway: up to [`FILL`] of them cost
+    /// little more than one.
+    fn expect(&mut self, problem: &Problem, near: &[usize]) {
+        let known = self.compliance.nrows();
+        if self.dofs.len() == known {
+            return;
+        }
+        for &spring in near {
+            for &node in problem.model.springs.nodes(spring) {
+                if self.dofs.len() >= known + FILL {
+                    return;
+                }
+                self.add(2 * node as usize);
+                self.add(2 * node as usize + 1);
+            }
+        }
     }
 
     /// Brings G and the system up to the dofs.
@@ -234,9 +317,11 @@ impl Touched {
             );
         }
         for &(place, w) in terms {
-            let own = self.system.col_mut(place).try_as_col_major_mut();
-            let own = own.expect("stored by columns").as_slice_mut();
-            add(&mut own[first..], -w, &column);
+            add(
+                &mut slice_mut(self.system.col_mut(place))[first..],
+                -w,
+                &column,
+            );
         }
     }
 
@@ -262,24 +347,69 @@ impl Touched {
         }
     }
 
-    /// I − G S, and −G in the columns of the pins.
-    fn system(&self, pins: &[usize]) -> Mat<f64> {
-        let mut system = self.system.clone();
-        for place in pins.iter().map(|dof| self.place[dof]) {
-            let mut own = system.col_mut(place);
-            own.copy_from(faer::Scale(-1.0) * self.compliance.col(place));
+    /// I − G S of the active dofs, with −G in the columns of the pins.
+    ///
+    /// # Errors
+    /// z, and r at the pins, of a motion without force.
+    fn factorise(&self, pins: &[usize]) -> Result<Lu, Vec<f64>> {
+        let size = self.active.len();
+        let mut system = Mat::zeros(size, size);
+        let mut gather = |j: usize, scale: f64, column: &[f64]| {
+            let own = slice_mut(system.col_mut(j));
+            let rows = own.iter_mut().zip(&self.active);
+            rows.for_each(|(own, &place)| *own = scale * column[place]);
+        };
+        let pins: BTreeSet<usize> = pins.iter().map(|dof| self.place[dof]).collect();
+        for (j, &place) in self.active.iter().enumerate() {
+            match pins.contains(&place) {
+                true => gather(
+                    j,
+                    -self.force_unit(place),
+                    slice(self.compliance.col(place)),
+                ),
+                false => gather(j, 1.0, slice(self.system.col(place))),
+            }
         }
-        system
+        Lu::new(system, LEAST_PIVOT)
     }
 
-    /// S z, and r at the pins [N].
+    /// What the unknown r at a pin is counted in, so that the system is of one scale [N/m].
+    fn force_unit(&self, place: usize) -> f64 {
+        1.0 / self.compliance[(place, place)]
+    }
+
+    /// Of the dofs that a motion without force moves, the last to be eliminated: whose pivot would vanish.
+    fn last_to_move(
+        &self,
+        factorised: &Factorised,
+        pins: &[usize],
+        motion: Vec<f64>,
+    ) -> Option<usize> {
+        let moved = self.change(factorised, &self.forces_of(pins, motion));
+        let largest = moved.iter().fold(0.0, |a, b| f64::max(a, b.abs()));
+        let moves = (0..moved.len()).filter(|&dof| moved[dof].abs() > STILL * largest);
+        let moves = moves.filter(|dof| !pins.contains(dof));
+        let places = moves.map(|dof| factorised.elimination(dof).map(|place| (place, dof)));
+        places.max().flatten().map(|(_, dof)| dof)
+    }
+
+    /// S z, and r at the pins, after `before` [N].
     fn forces(&self, system: &Lu, pins: &[usize], before: &Solution) -> Vec<f64> {
-        let u = self.dofs.iter();
-        let mut z: Vec<f64> = u.map(|dof| before.displacement[dof / 2][dof % 2]).collect();
+        let dofs = self.active.iter().map(|&place| self.dofs[place]);
+        let mut z: Vec<f64> = dofs.map(|d| before.displacement[d / 2][d % 2]).collect();
         system.solve_in_place(&mut z);
+        self.forces_of(pins, z)
+    }
+
+    /// S z, and r at the pins, from both on the active dofs; on all dofs [N].
+    fn forces_of(&self, pins: &[usize], active: Vec<f64>) -> Vec<f64> {
+        let mut z = vec![0.0; self.dofs.len()];
+        for (&place, value) in self.active.iter().zip(active) {
+            z[place] = value;
+        }
         let mut forces = vec![0.0; z.len()];
         for place in pins.iter().map(|dof| self.place[dof]) {
-            forces[place] = std::mem::take(&mut z[place]);
+            forces[place] = self.force_unit(place) * std::mem::take(&mut z[place]);
         }
         for spring in &self.springs {
             let elongation: f64 = spring.terms.iter().map(|&(place, w)| w * z[place]).sum();
@@ -312,6 +442,11 @@ impl Touched {
 /// u += scale · a.
 fn add(u: &mut [f64], scale: f64, a: &[f64]) {
     u.iter_mut().zip(a).for_each(|(u, a)| *u += scale * a);
+}
+
+fn slice_mut(column: ColMut<'_, f64>) -> &mut [f64] {
+    let column = column.try_as_col_major_mut();
+    column.expect("stored by columns").as_slice_mut()
 }
 
 fn slice(column: ColRef<'_, f64>) -> &[f64] {

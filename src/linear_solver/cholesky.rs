@@ -1,27 +1,22 @@
-//! Sparse Cholesky factorisation K = L Lᵀ by faer: symbolic once, numeric as often as K changes.
+//! Sparse Cholesky factorisation K = L Lᵀ: symbolic once, numeric as often as K changes. Of a front,
+//!
+//! ```text
+//! L11 L11ᵀ = A11,   L21 = A21 L11⁻ᵀ,   passed up: U = A22 − L21 L21ᵀ
+//! ```
 
 use super::SolverError;
-use super::ordering::{Ordering, dof_permutation, elimination_order};
+use super::multifrontal::{self, Child, Front, NotPositive, Pool, parallelism};
+use super::ordering::{Ordering, elimination_order};
+use super::supernodes::Supernodes;
+use super::triangular::{self, Factors};
 use crate::assembly::{Lists, LowerMatrix};
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltError;
+use faer::dyn_stack::{MemStack, StackReq};
+use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::triangular::{self as lower, BlockStructure};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky,
-};
-use faer::{Conj, MatMut, Par, Side};
-use std::sync::Arc;
-
-/// Below this a second thread costs more than it brings (docs/performance.md).
-const PARALLEL_FLOPS: f64 = 1e10;
-
-/// Products of dense blocks are cut into this many parts, whatever the number of threads: the cuts
-/// decide the order of sums, and so the bits. Measured on one and two threads, where it costs no more
-/// than a few percent; threads past the eighth find no part of a product.
-const PARTS: usize = 8;
+use faer::{Accum, MatMut, Par};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The least pivot L_jj² over K_jj. A singular K leaves pivots of rounding size, some 1e-16, of either
 /// sign. A body that is held has larger ones: beam theory gives some 1e-10 for a cantilever a thousand
@@ -31,8 +26,14 @@ const LEAST_PIVOT: f64 = 1e-13;
 /// The structure of L, from the pattern of K alone.
 #[derive(Clone, Debug)]
 pub struct Symbolic {
-    structure: Arc<SymbolicCholesky<u32>>,
+    structure: Arc<Supernodes>,
+    spare: Spare,
+    pool: Arc<Pool>,
 }
+
+/// The entries of a factor that is no longer needed, for the next one: to get fresh pages takes longer
+/// than to fill them.
+type Spare = Arc<Mutex<Option<Vec<f64>>>>;
 
 impl Symbolic {
     /// # Errors
@@ -46,152 +47,77 @@ impl Symbolic {
             nodes: graph.len(),
             status,
         })?;
-        Symbolic::with_order(pattern, order.as_deref())
+        Ok(Symbolic::with_order(pattern, &order))
     }
 
-    /// `order`: the nodes as they are eliminated; `None` leaves it to faer's AMD.
-    ///
-    /// # Errors
-    /// See [`SolverError`].
-    pub fn with_order(
-        pattern: SymbolicSparseColMatRef<'_, u32>,
-        order: Option<&[u32]>,
-    ) -> Result<Symbolic, SolverError> {
-        let permutation = order.map(dof_permutation);
-        let ordering = match &permutation {
-            Some(permutation) => SymmetricOrdering::Custom(permutation.as_ref()),
-            None => SymmetricOrdering::Amd,
-        };
-        let params = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-            ..Default::default()
-        };
-        let structure = factorize_symbolic_cholesky(pattern, Side::Lower, ordering, params);
-        let out_of_memory = |_| SolverError::OutOfMemory {
-            dofs: pattern.ncols(),
-        };
-        let structure = structure.map_err(out_of_memory)?;
-        Ok(Symbolic {
-            structure: Arc::new(structure),
-        })
+    /// `order`: the nodes as they are eliminated.
+    pub fn with_order(pattern: SymbolicSparseColMatRef<'_, u32>, order: &[u32]) -> Symbolic {
+        Symbolic {
+            structure: Arc::new(Supernodes::new(pattern, order)),
+            spare: Spare::default(),
+            pool: Arc::default(),
+        }
     }
 
     /// Stored entries of L; blocks of supernodes count whole.
     pub fn factor_entries(&self) -> usize {
-        self.structure.len_val()
+        self.structure.entries()
     }
 
     /// Multiplications and additions of the numeric factorisation: w³/3 + w²r + wr² for each
     /// supernode of w columns with r rows below them.
     pub fn flops(&self) -> f64 {
-        let SymbolicCholeskyRaw::Supernodal(supernodes) = self.structure.raw() else {
-            return 0.0;
-        };
-        let columns = supernodes
-            .supernode_begin()
-            .iter()
-            .zip(supernodes.supernode_end());
-        let widths = columns.map(|(&begin, &end)| f64::from(end - begin));
-        let rows = supernodes
-            .col_ptr_for_row_idx()
-            .windows(2)
-            .map(|w| f64::from(w[1] - w[0]));
-        widths
-            .zip(rows)
-            .map(|(w, r)| w * w * w / 3.0 + w * w * r + w * r * r)
-            .sum()
+        self.structure.total_flops()
     }
 
-    /// L of a matrix with this pattern, on all threads where the work is worth it.
+    /// L of a matrix with this pattern, on all threads.
     ///
     /// # Errors
     /// [`SolverError::NotPositiveDefinite`], [`SolverError::OutOfMemory`].
     pub fn factorise(&self, matrix: &LowerMatrix) -> Result<Factor, SolverError> {
-        let worth_it = self.flops() > PARALLEL_FLOPS;
-        let par = if worth_it {
-            Par::rayon(PARTS)
-        } else {
-            Par::Seq
+        let spare = self
+            .spare
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take();
+        let mut values = match spare {
+            Some(values) => values,
+            None => {
+                super::zeros(self.factor_entries()).ok_or_else(|| SolverError::OutOfMemory {
+                    dofs: matrix.ncols(),
+                })?
+            }
         };
-        self.factorise_with(matrix, par)
-    }
-
-    /// L of a matrix with this pattern.
-    ///
-    /// # Errors
-    /// [`SolverError::NotPositiveDefinite`], [`SolverError::OutOfMemory`].
-    pub fn factorise_with(&self, matrix: &LowerMatrix, par: Par) -> Result<Factor, SolverError> {
-        let out_of_memory = || SolverError::OutOfMemory {
-            dofs: matrix.ncols(),
+        let fronts = Fronts {
+            structure: &self.structure,
+            matrix: matrix.val(),
         };
-        let scratch = self
-            .structure
-            .factorize_numeric_llt_scratch::<f64>(par, Default::default());
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| out_of_memory())?;
-        let mut values = Vec::new();
-        values
-            .try_reserve_exact(self.factor_entries())
-            .map_err(|_| out_of_memory())?;
-        values.resize(self.factor_entries(), 0.0);
-        self.structure
-            .factorize_numeric_llt(
-                &mut values,
-                matrix.as_ref(),
-                Side::Lower,
-                Default::default(),
-                par,
-                MemStack::new(&mut memory),
-                Default::default(),
-            )
-            .map_err(|LltError::NonPositivePivot { index }| self.not_positive(index))?;
-        self.check_pivots(matrix, &values)?;
+        multifrontal::factorise(&self.structure, &fronts, &mut values, &self.pool).map_err(
+            |NotPositive(column)| SolverError::NotPositiveDefinite {
+                dof: self.structure.dof(column),
+            },
+        )?;
         Ok(Factor {
             structure: self.structure.clone(),
             values,
+            spare: self.spare.clone(),
         })
-    }
-
-    /// L_jj² against K_jj, for what rounding has left of a zero pivot.
-    fn check_pivots(&self, matrix: &LowerMatrix, values: &[f64]) -> Result<(), SolverError> {
-        let SymbolicCholeskyRaw::Supernodal(supernodes) = self.structure.raw() else {
-            return Ok(());
-        };
-        for s in 0..supernodes.n_supernodes() {
-            let supernode = supernodes.supernode(s);
-            let columns = supernode.start()..supernodes.supernode_end()[s] as usize;
-            let rows = columns.len() + supernode.pattern().len();
-            let block = &values[supernodes.col_ptr_for_val()[s] as usize..];
-            for (j, column) in columns.enumerate() {
-                // The lower triangle's columns start at their diagonal.
-                let diagonal = matrix.val_of_col(self.dof(column))[0];
-                // False for a pivot that is not a number.
-                let sound = block[j * (rows + 1)].powi(2) > LEAST_PIVOT * diagonal;
-                if !sound {
-                    return Err(self.not_positive(column));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn not_positive(&self, index: usize) -> SolverError {
-        SolverError::NotPositiveDefinite {
-            dof: self.dof(index),
-        }
-    }
-
-    /// The dof that is eliminated at `index`.
-    fn dof(&self, index: usize) -> usize {
-        let order = self.structure.perm().map(|p| p.arrays().0);
-        order.map_or(index, |order| order[index] as usize)
     }
 }
 
 /// L.
 #[derive(Clone, Debug)]
 pub struct Factor {
-    structure: Arc<SymbolicCholesky<u32>>,
+    structure: Arc<Supernodes>,
     values: Vec<f64>,
+    spare: Spare,
+}
+
+impl Drop for Factor {
+    fn drop(&mut self) {
+        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        *spare = Some(std::mem::take(&mut self.values));
+    }
 }
 
 impl Factor {
@@ -199,37 +125,137 @@ impl Factor {
         &self.values
     }
 
-    pub(super) fn supernodes(&self) -> &SymbolicSupernodalCholesky<u32> {
-        match self.structure.raw() {
-            SymbolicCholeskyRaw::Supernodal(supernodes) => supernodes,
-            SymbolicCholeskyRaw::Simplicial(_) => unreachable!("supernodes are forced"),
-        }
+    pub(super) fn supernodes(&self) -> &Supernodes {
+        &self.structure
     }
 
     /// The column of L that eliminates a dof.
-    pub(super) fn column(&self, dof: usize) -> usize {
-        let place = self.structure.perm().map(|p| p.arrays().1);
-        place.map_or(dof, |place| place[dof] as usize)
+    pub fn column(&self, dof: usize) -> usize {
+        self.structure.column(dof)
     }
 
-    /// Overwrites `rhs` by K⁻¹ rhs, on one thread: the work is bound by memory, and a second thread
-    /// was slower at every size measured (docs/performance.md).
+    /// Overwrites `rhs` by K⁻¹ rhs.
     pub fn solve_in_place(&self, rhs: &mut [f64]) {
         self.solve_many_in_place(rhs, 1);
     }
 
     /// The same for `columns` right-hand sides one after the other: eight cost little more than one.
     pub fn solve_many_in_place(&self, rhs: &mut [f64], columns: usize) {
-        let scratch = self
-            .structure
-            .solve_in_place_scratch::<f64>(columns, Par::Seq);
-        let mut memory = MemBuffer::new(scratch);
-        let rows = rhs.len() / columns;
-        LltRef::new(&self.structure, &self.values).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(rhs, rows, columns),
-            Par::Seq,
-            MemStack::new(&mut memory),
+        let factors = Factors::Symmetric(&self.values);
+        triangular::solve(&self.structure, factors, rhs, columns);
+    }
+}
+
+struct Fronts<'a> {
+    structure: &'a Supernodes,
+    /// Entries of K.
+    matrix: &'a [f64],
+}
+
+impl Front for Fronts<'_> {
+    fn start(&self, s: usize) -> usize {
+        self.structure.block_start(s)
+    }
+
+    fn scratch(&self, columns: usize) -> StackReq {
+        cholesky_in_place_scratch::<f64>(columns, Par::Seq, Default::default())
+    }
+
+    fn eliminate(
+        &self,
+        s: usize,
+        block: &mut [f64],
+        children: &[Child],
+        update: &mut [f64],
+        memory: &mut MemStack,
+    ) -> Result<(), NotPositive> {
+        let structure = self.structure;
+        let (width, rows) = (structure.width(s), structure.rows(s).len());
+        let height = width + rows;
+        block.fill(0.0);
+        self.add_matrix(s, block);
+        let mut diagonal = vec![0.0; width];
+        for (column, diagonal) in diagonal.iter_mut().enumerate() {
+            *diagonal = self.diagonal(s, column);
+        }
+        for child in children {
+            child.runs.add_columns(child.update, block, height);
+        }
+        let par = parallelism(structure, s);
+        let l = MatMut::from_column_major_slice_mut(block, height, width);
+        let (mut l11, mut l21) = l.split_at_row_mut(width);
+        let first = structure.columns(s).start;
+        cholesky_in_place(
+            l11.as_mut(),
+            Default::default(),
+            par,
+            memory,
+            Default::default(),
+        )
+        .map_err(|LltError::NonPositivePivot { index }| NotPositive(first + index))?;
+        for (j, &diagonal) in diagonal.iter().enumerate() {
+            // False for a pivot that is not a number.
+            let sound = l11[(j, j)].powi(2) > LEAST_PIVOT * diagonal;
+            if !sound {
+                return Err(NotPositive(first + j));
+            }
+        }
+        if rows == 0 {
+            return Ok(());
+        }
+        solve_lower_triangular_in_place(l11.as_ref(), l21.as_mut().transpose_mut(), par);
+        let mut u = MatMut::from_column_major_slice_mut(update, rows, rows);
+        lower::matmul(
+            u.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Replace,
+            l21.as_ref(),
+            BlockStructure::Rectangular,
+            l21.as_ref().transpose(),
+            BlockStructure::Rectangular,
+            -1.0,
+            par,
         );
+        for child in children {
+            child.runs.add_rest(child.update, update, rows);
+        }
+        Ok(())
+    }
+}
+
+impl Fronts<'_> {
+    fn diagonal(&self, s: usize, column: usize) -> f64 {
+        let first = self.structure.columns(s).start + column - column % 2;
+        let sources = self.structure.sources(first);
+        let own = sources
+            .iter()
+            .find(|source| source.row as usize == column - column % 2);
+        own.map_or(0.0, |own| self.matrix[own.columns[column % 2] as usize])
+    }
+
+    /// K's entries in the columns of a supernode.
+    fn add_matrix(&self, s: usize, block: &mut [f64]) {
+        let columns = self.structure.columns(s);
+        let height = columns.len() + self.structure.rows(s).len();
+        for (first, pair) in columns.step_by(2).zip((0..).step_by(2)) {
+            let (left, right) = block[pair * height..(pair + 2) * height].split_at_mut(height);
+            for source in self.structure.sources(first) {
+                let row = source.row as usize;
+                let [a, b] = source.columns.map(|at| at as usize);
+                if row == pair {
+                    left[row] = self.matrix[a];
+                    left[row + 1] = self.matrix[a + 1];
+                    right[row + 1] = self.matrix[b];
+                } else if source.transposed {
+                    left[row] = self.matrix[a];
+                    right[row] = self.matrix[a + 1];
+                    left[row + 1] = self.matrix[b];
+                    right[row + 1] = self.matrix[b + 1];
+                } else {
+                    left[row..row + 2].copy_from_slice(&self.matrix[a..a + 2]);
+                    right[row..row + 2].copy_from_slice(&self.matrix[b..b + 2]);
+                }
+            }
+        }
     }
 }

@@ -1,260 +1,333 @@
-//! Sparse LU factorisation with partial pivoting by faer, for a K that is not symmetric: symbolic once,
-//! numeric as often as K changes.
+//! Sparse LU factorisation for a K that is not symmetric: symbolic once, numeric as often as K changes.
 //!
-//! Columns are ordered by the nested dissection of K + Kᵀ, as for Cholesky: nearly all pivots stay on
-//! or near the diagonal, since most of K is symmetric and positive.
+//! Fronts are those of K + Kᵀ, and pivots are sought among a supernode's own rows only: most of K is
+//! symmetric and positive, so that they are good enough nearly always. Of a front,
 //!
-//! LU divides by what it finds: on a singular K it reports success, with huge numbers or infinities
-//! behind it. So every factor is probed: K x = b for a fixed pseudo-random b. If K is singular, x is
-//! beyond all measure, and is its null vector, as in inverse iteration.
+//! ```text
+//! P A11 = L11 U11,   L21 = A21 U11⁻¹,   U12 = L11⁻¹ P A12,   passed up: U = A22 − L21 U12
+//! ```
+//!
+//! Every factor is probed: K x = b for a fixed pseudo-random b. Where x is too large or leaves too much of
+//! b, K is factorised again with all rows to choose from ([`super::partial_pivoting`]), which also
+//! tells whether K is singular.
 
 use super::SolverError;
-use super::ordering::dof_permutation;
+use super::multifrontal::{self, Child, Front, NotPositive, Pool, parallelism};
+use super::partial_pivoting::{self, MOST_GROWTH, norm, random};
+use super::supernodes::Supernodes;
+use super::triangular::{self, Factors, pivoted_start};
 use crate::assembly::full::{FullMatrix, mean_diagonal};
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::perm::{Perm, PermRef};
-use faer::sparse::linalg::lu::supernodal::{
-    SupernodalLu, SymbolicSupernodalLu, factorize_supernodal_numeric_lu,
-    factorize_supernodal_numeric_lu_scratch, factorize_supernodal_symbolic_lu,
-    factorize_supernodal_symbolic_lu_scratch,
+use faer::dyn_stack::{MemStack, StackReq};
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place,
 };
-use faer::sparse::linalg::qr::{col_etree, column_counts_ata, postorder};
-use faer::sparse::{SymbolicSparseColMat, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par};
+use faer::sparse::SymbolicSparseColMatRef;
+use faer::{Accum, MatMut, Par};
 use std::sync::Arc;
 
-/// ‖K⁻¹‖ times the mean diagonal of K, as far as the probe sees it; a singular K has 1e15 and more. A
-/// body that is held has less: beam theory gives some 1e10 for a cantilever a thousand times as
-/// long as deep.
-const MOST_GROWTH: f64 = 1e13;
-
-/// Share of the mean diagonal that is added where LU has found an infinity, so that there is a vector to
-/// look at.
-const SHIFT: f64 = 1e-14;
+/// ‖b − K x‖ over ‖K‖ ‖x‖ of the probe, the mean diagonal for ‖K‖. Rounding leaves some 1e-16 times the
+/// growth of the pivots; refinement divides the residual by its inverse each time.
+const MOST_LEFT: f64 = 1e-12;
 
 /// The structure of the factors, from the pattern of K alone.
 #[derive(Clone, Debug)]
 pub struct Symbolic {
-    order: Perm<u32>,
-    structure: Arc<SymbolicSupernodalLu<u32>>,
+    order: Arc<[u32]>,
+    structure: Arc<Supernodes>,
+    places: Arc<Places>,
+    pool: Arc<Pool>,
 }
 
 impl Symbolic {
-    /// `order`: the nodes as their columns are eliminated.
-    ///
-    /// # Errors
-    /// [`SolverError::OutOfMemory`].
+    /// `lower`: the lower triangle of K + Kᵀ, two dofs to a node. `order`: the nodes as they are eliminated.
     pub fn new(
         pattern: SymbolicSparseColMatRef<'_, u32>,
+        lower: SymbolicSparseColMatRef<'_, u32>,
         order: &[u32],
-    ) -> Result<Symbolic, SolverError> {
-        let n = pattern.ncols();
-        let out_of_memory = || SolverError::OutOfMemory { dofs: n };
-        // Generous: the analyses want at most so many vectors of indices, one at a time.
-        let scratch = StackReq::all_of(&[
-            StackReq::new::<u32>(n + 1).array(16),
-            factorize_supernodal_symbolic_lu_scratch::<u32>(n, n),
-        ]);
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| out_of_memory())?;
-        let stack = MemStack::new(&mut memory);
-        let order = postordered(pattern, dof_permutation(order), stack);
-        let mut parents = vec![0; n];
-        let tree = col_etree(pattern, Some(order.as_ref()), &mut parents, stack);
-        let mut post = vec![0; n];
-        postorder(&mut post, tree, stack);
-        let rows = transposed(pattern);
-        let (mut counts, mut first_column) = (vec![0; n], vec![0; n]);
-        column_counts_ata(
-            &mut counts,
-            &mut first_column,
-            rows.as_ref(),
-            Some(order.as_ref()),
-            tree,
-            &post,
-            stack,
-        );
-        let structure = factorize_supernodal_symbolic_lu(
-            pattern,
-            Some(order.as_ref()),
-            &first_column,
-            tree,
-            &counts,
-            stack,
-            Default::default(),
-        );
-        Ok(Symbolic {
-            order,
-            structure: Arc::new(structure.map_err(|_| out_of_memory())?),
-        })
+    ) -> Symbolic {
+        let structure = Supernodes::new(lower, order);
+        let places = Places::new(&structure, pattern);
+        Symbolic {
+            order: order.into(),
+            structure: Arc::new(structure),
+            places: Arc::new(places),
+            pool: Arc::default(),
+        }
     }
 
-    /// The factors of a matrix with this pattern, on one thread.
+    /// Stored entries of L and U.
+    pub fn factor_entries(&self) -> usize {
+        2 * self.structure.entries()
+    }
+
+    /// Multiplications and additions of the numeric factorisation.
+    pub fn flops(&self) -> f64 {
+        2.0 * self.structure.total_flops()
+    }
+
+    /// The factors of a matrix with this pattern, on all threads.
     ///
     /// # Errors
     /// [`SolverError::Singular`], [`SolverError::OutOfMemory`].
     pub fn factorise(&self, matrix: &FullMatrix) -> Result<Factor, SolverError> {
         let factor = self.numeric(matrix)?;
-        let Some(growth) = factor.probe(matrix) else {
-            return Ok(factor);
-        };
-        let dof = match largest(&growth) {
-            Some(dof) => dof,
-            None => {
-                let shifted = self.numeric(&with_shift(matrix))?;
-                let growth = shifted.solved_probe(matrix.ncols());
-                largest(&growth).unwrap_or(0)
-            }
-        };
-        Err(SolverError::Singular { dof })
+        if factor.is_sound(matrix) {
+            return Ok(Factor(Kind::Own(factor)));
+        }
+        self.factorise_with_all_rows(matrix)
     }
 
-    fn numeric(&self, matrix: &FullMatrix) -> Result<Factor, SolverError> {
-        let n = matrix.ncols();
-        let out_of_memory = || SolverError::OutOfMemory { dofs: n };
-        let transpose = matrix
-            .transpose()
-            .to_col_major()
-            .map_err(|_| out_of_memory())?;
-        let params = Default::default();
-        let scratch = factorize_supernodal_numeric_lu_scratch::<u32, f64>(&self.structure, params);
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| out_of_memory())?;
-        let mut factor = Factor {
-            order: self.order.clone(),
-            rows: [vec![0; n], vec![0; n]],
-            lu: SupernodalLu::new(),
+    /// The same with all rows to choose pivots from, on one thread.
+    ///
+    /// # Errors
+    /// [`SolverError::Singular`], [`SolverError::OutOfMemory`].
+    pub fn factorise_with_all_rows(&self, matrix: &FullMatrix) -> Result<Factor, SolverError> {
+        let symbolic = partial_pivoting::Symbolic::new(matrix.symbolic(), &self.order)?;
+        let factor = symbolic.factorise(matrix)?;
+        Ok(Factor(Kind::AllRows(Box::new(factor))))
+    }
+
+    fn numeric(&self, matrix: &FullMatrix) -> Result<Own, SolverError> {
+        let structure = &self.structure;
+        let out_of_memory = || SolverError::OutOfMemory {
+            dofs: matrix.ncols(),
         };
-        let [forward, inverse] = &mut factor.rows;
-        factorize_supernodal_numeric_lu(
-            forward,
-            inverse,
-            &mut factor.lu,
-            matrix.as_ref(),
-            transpose.as_ref(),
-            self.order.as_ref(),
-            &self.structure,
-            Par::Seq,
-            MemStack::new(&mut memory),
-            params,
-        )
-        .map_err(|_| out_of_memory())?;
-        Ok(factor)
+        let count = pivoted_start(structure, structure.n_supernodes());
+        let mut values = super::zeros(count).ok_or_else(out_of_memory)?;
+        let fronts = Fronts {
+            structure,
+            places: &self.places,
+            matrix: matrix.val(),
+        };
+        // No pivot is refused: the probe tells what they were worth.
+        let refused = multifrontal::factorise(structure, &fronts, &mut values, &self.pool);
+        refused.expect("fronts of LU refuse no pivot");
+        Ok(Own {
+            structure: structure.clone(),
+            values,
+        })
     }
 }
 
 /// L and U.
 #[derive(Clone, Debug)]
-pub struct Factor {
-    order: Perm<u32>,
-    /// The permutation of the rows and its inverse.
-    rows: [Vec<u32>; 2],
-    lu: SupernodalLu<u32, f64>,
+pub struct Factor(Kind);
+
+#[derive(Clone, Debug)]
+enum Kind {
+    Own(Own),
+    AllRows(Box<partial_pivoting::Factor>),
 }
 
 impl Factor {
     /// Overwrites `rhs` by K⁻¹ rhs.
     pub fn solve_in_place(&self, rhs: &mut [f64]) {
-        let n = rhs.len();
-        let mut memory = MemBuffer::new(StackReq::new::<f64>(n).array(4));
-        let [forward, inverse] = &self.rows;
-        self.lu.solve_in_place_with_conj(
-            PermRef::new_checked(forward, inverse, n),
-            self.order.as_ref(),
-            Conj::No,
-            MatMut::from_column_major_slice_mut(rhs, n, 1),
-            Par::Seq,
-            MemStack::new(&mut memory),
-        );
+        match &self.0 {
+            Kind::Own(own) => own.solve_in_place(rhs),
+            Kind::AllRows(factor) => factor.solve_in_place(rhs),
+        }
     }
 
-    /// K⁻¹ b where it is too large for a K that can be inverted.
-    fn probe(&self, matrix: &FullMatrix) -> Option<Vec<f64>> {
-        let n = matrix.ncols();
-        let x = self.solved_probe(n);
-        let growth = norm(&x) / norm(&random(n)) * mean_diagonal(matrix);
-        // False for what is not a number.
-        let sound = growth < MOST_GROWTH;
-        (!sound).then_some(x)
+    /// Whether pivots were found among each supernode's own rows.
+    pub fn kept_to_its_rows(&self) -> bool {
+        matches!(self.0, Kind::Own(_))
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Own {
+    structure: Arc<Supernodes>,
+    values: Vec<f64>,
+}
+
+impl Own {
+    fn solve_in_place(&self, rhs: &mut [f64]) {
+        triangular::solve(&self.structure, Factors::Pivoted(&self.values), rhs, 1);
     }
 
-    fn solved_probe(&self, n: usize) -> Vec<f64> {
-        let mut x = random(n);
+    fn is_sound(&self, matrix: &FullMatrix) -> bool {
+        let b = random(matrix.ncols());
+        let mut x = b.clone();
         self.solve_in_place(&mut x);
-        x
+        let mut rest = b.clone();
+        for (column, &x) in x.iter().enumerate() {
+            let rows = matrix.row_idx_of_col_raw(column).iter();
+            for (&row, &value) in rows.zip(matrix.val_of_col(column)) {
+                rest[row as usize] -= value * x;
+            }
+        }
+        let size = mean_diagonal(matrix) * norm(&x);
+        // False for what is not a number.
+        size / norm(&b) < MOST_GROWTH && norm(&rest) < MOST_LEFT * size
     }
 }
 
-fn with_shift(matrix: &FullMatrix) -> FullMatrix {
-    let shift = SHIFT * mean_diagonal(matrix);
-    let mut shifted = matrix.clone();
-    for j in 0..matrix.ncols() {
-        if let Some(entry) = shifted.get_mut(j, j) {
-            *entry += shift;
+/// Two rows and two columns of K in a front.
+#[derive(Clone, Copy, Debug, Default)]
+struct Place {
+    row: u32,
+    column: u32,
+    /// Where the two columns are among K's entries, two rows each.
+    entries: [u32; 2],
+}
+
+/// Where K's entries go, supernode by supernode.
+#[derive(Debug)]
+struct Places {
+    start: Vec<usize>,
+    places: Vec<Place>,
+}
+
+impl Places {
+    fn new(structure: &Supernodes, pattern: SymbolicSparseColMatRef<'_, u32>) -> Places {
+        let blocks = || {
+            (0..pattern.ncols()).step_by(2).flat_map(move |dof| {
+                let [first, second] = [0, 1].map(|axis| pattern.col_range(dof + axis).start);
+                let rows = pattern.row_idx_of_col_raw(dof).iter().step_by(2);
+                rows.enumerate().map(move |(k, &row)| Place {
+                    row: structure.column(row as usize) as u32,
+                    column: structure.column(dof) as u32,
+                    entries: [first + 2 * k, second + 2 * k].map(|at| at as u32),
+                })
+            })
+        };
+        let owner = |place: &Place| structure.supernode_of(place.row.min(place.column) as usize);
+        let count = structure.n_supernodes();
+        let mut start = vec![0; count + 1];
+        blocks().for_each(|place| start[owner(&place) + 1] += 1);
+        for s in 0..count {
+            start[s + 1] += start[s];
+        }
+        let mut next = start.clone();
+        let mut places = vec![Place::default(); start[count]];
+        for place in blocks() {
+            let owner = owner(&place);
+            places[next[owner]] = place;
+            next[owner] += 1;
+        }
+        let mut local = vec![0; structure.dofs()];
+        for s in 0..count {
+            let own = structure.columns(s);
+            let all = own.chain(structure.rows(s).iter().map(|&row| row as usize));
+            all.zip(0..).for_each(|(row, k)| local[row] = k);
+            for place in &mut places[start[s]..start[s + 1]] {
+                place.row = local[place.row as usize];
+                place.column = local[place.column as usize];
+            }
+        }
+        Places { start, places }
+    }
+
+    fn of(&self, s: usize) -> &[Place] {
+        &self.places[self.start[s]..self.start[s + 1]]
+    }
+}
+
+struct Fronts<'a> {
+    structure: &'a Supernodes,
+    places: &'a Places,
+    /// Entries of K.
+    matrix: &'a [f64],
+}
+
+impl Front for Fronts<'_> {
+    fn start(&self, s: usize) -> usize {
+        pivoted_start(self.structure, s)
+    }
+
+    fn scratch(&self, columns: usize) -> StackReq {
+        lu_in_place_scratch::<u32, f64>(columns, columns, Par::Seq, Default::default())
+    }
+
+    fn eliminate(
+        &self,
+        s: usize,
+        own: &mut [f64],
+        children: &[Child],
+        update: &mut [f64],
+        memory: &mut MemStack,
+    ) -> Result<(), NotPositive> {
+        let structure = self.structure;
+        let (width, rows) = (structure.width(s), structure.rows(s).len());
+        let height = width + rows;
+        // The columns of the front, and its rows as columns.
+        let (left, right) = own.split_at_mut(height * width);
+        let (right, order) = right.split_at_mut(height * width);
+        left.fill(0.0);
+        right.fill(0.0);
+        self.add_matrix(s, left, right);
+        for child in children {
+            child.runs.add_full_columns(child.update, left, height);
+            add_rows(child, right, height);
+        }
+        let par = parallelism(structure, s);
+        let l = MatMut::from_column_major_slice_mut(left, height, width);
+        let (mut l11, mut l21) = l.split_at_row_mut(width);
+        let mut perm = vec![0_u32; 2 * width];
+        let (forward, inverse) = perm.split_at_mut(width);
+        let params = Default::default();
+        lu_in_place(l11.as_mut(), forward, inverse, par, memory, params);
+        let unchanged = (0..width).all(|k| forward[k] as usize == k);
+        if !unchanged {
+            let before = right.to_vec();
+            for (column, &from) in right.chunks_exact_mut(height).zip(&*forward) {
+                column.copy_from_slice(&before[from as usize * height..][..height]);
+            }
+        }
+        for (number, &from) in order.iter_mut().zip(&*forward) {
+            *number = f64::from(from);
+        }
+        let u = MatMut::from_column_major_slice_mut(right, height, width);
+        let (mut u11, mut u12) = u.split_at_row_mut(width);
+        for j in 0..width {
+            for i in 0..=j {
+                u11[(j, i)] = l11[(i, j)];
+            }
+            l11[(j, j)] = 1.0;
+        }
+        if rows == 0 {
+            return Ok(());
+        }
+        solve_lower_triangular_in_place(u11.as_ref(), l21.as_mut().transpose_mut(), par);
+        solve_unit_lower_triangular_in_place(l11.as_ref(), u12.as_mut().transpose_mut(), par);
+        let mut passed = MatMut::from_column_major_slice_mut(update, rows, rows);
+        let (l21, u12) = (l21.as_ref(), u12.as_ref().transpose());
+        matmul(passed.as_mut(), Accum::Replace, l21, u12, -1.0, par);
+        for child in children {
+            child.runs.add_full_rest(child.update, update, rows);
+        }
+        Ok(())
+    }
+}
+
+impl Fronts<'_> {
+    fn add_matrix(&self, s: usize, left: &mut [f64], right: &mut [f64]) {
+        let width = self.structure.width(s);
+        let height = width + self.structure.rows(s).len();
+        for place in self.places.of(s) {
+            let (row, column) = (place.row as usize, place.column as usize);
+            for (b, &at) in place.entries.iter().enumerate() {
+                for (a, &value) in self.matrix[at as usize..][..2].iter().enumerate() {
+                    if column < width {
+                        left[(column + b) * height + row + a] = value;
+                    } else {
+                        right[(row + a) * height + column + b] = value;
+                    }
+                }
+            }
         }
     }
-    shifted
 }
 
-/// The place of the largest number; `None` if there is one that is not finite.
-fn largest(x: &[f64]) -> Option<usize> {
-    if x.iter().any(|x| !x.is_finite()) {
-        return None;
-    }
-    (0..x.len()).max_by(|&a, &b| x[a].abs().total_cmp(&x[b].abs()))
-}
-
-fn norm(x: &[f64]) -> f64 {
-    x.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// Numbers between −1 and 1, always the same (Knuth's linear congruential generator).
-fn random(n: usize) -> Vec<f64> {
-    let mut state = 0x2545_f491_4f6c_dd1d_u64;
-    let mut next = || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    };
-    (0..n).map(|_| next()).collect()
-}
-
-/// The same order, children before parents of the column elimination tree and each subtree in one
-/// piece, so that supernodes become as large as they can be.
-fn postordered(
-    pattern: SymbolicSparseColMatRef<'_, u32>,
-    order: Perm<u32>,
-    stack: &mut MemStack,
-) -> Perm<u32> {
-    let n = pattern.ncols();
-    let mut parents = vec![0; n];
-    let tree = col_etree(pattern, Some(order.as_ref()), &mut parents, stack);
-    let mut post = vec![0; n];
-    postorder(&mut post, tree, stack);
-    let (forward, _) = order.arrays();
-    let forward: Vec<u32> = post.iter().map(|&k| forward[k as usize]).collect();
-    let mut inverse = vec![0; n];
-    for (new, &old) in forward.iter().enumerate() {
-        inverse[old as usize] = new as u32;
-    }
-    Perm::new_checked(forward.into(), inverse.into(), n)
-}
-
-fn transposed(pattern: SymbolicSparseColMatRef<'_, u32>) -> SymbolicSparseColMat<u32> {
-    let n = pattern.ncols();
-    let mut start = vec![0_u32; n + 1];
-    for &row in pattern.row_idx() {
-        start[row as usize + 1] += 1;
-    }
-    for k in 0..n {
-        start[k + 1] += start[k];
-    }
-    let mut next = start.clone();
-    let mut columns = vec![0_u32; pattern.row_idx().len()];
-    for column in 0..n {
-        for &row in pattern.row_idx_of_col_raw(column) {
-            columns[next[row as usize] as usize] = column as u32;
-            next[row as usize] += 1;
+/// Adds what falls into the parent's rows and not into its columns.
+fn add_rows(child: &Child, right: &mut [f64], height: usize) {
+    let places: Vec<usize> = child.runs.places().collect();
+    let (inside, count) = (child.runs.inside(), places.len());
+    for j in inside..count {
+        for (&i, value) in places[..inside].iter().zip(&child.update[j * count..]) {
+            right[i * height + places[j]] += value;
         }
     }
-    SymbolicSparseColMat::new_checked(n, n, start, None, columns)
 }

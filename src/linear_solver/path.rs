@@ -11,11 +11,11 @@
 //! Both go supernode by supernode, in products of dense blocks for all right-hand sides at once.
 
 use super::cholesky::Factor;
+use super::supernodes::Supernodes;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -42,14 +42,14 @@ pub(super) struct Step {
 }
 
 impl Path {
-    pub(super) fn new(structure: &SymbolicSupernodalCholesky<u32>, columns: &[usize]) -> Path {
+    pub(super) fn new(structure: &Supernodes, columns: &[usize]) -> Path {
         let mut path = Path {
             steps: Vec::new(),
             rows: 0,
         };
         for supernode in above(structure, columns) {
-            let begin = structure.supernode_begin()[supernode] as usize;
-            let width = structure.supernode_end()[supernode] as usize - begin;
+            let begin = structure.columns(supernode).start;
+            let width = structure.width(supernode);
             path.steps.push(Step {
                 supernode,
                 begin,
@@ -60,7 +60,7 @@ impl Path {
             path.rows += width;
         }
         for k in 0..path.steps.len() {
-            let pattern = structure.supernode(path.steps[k].supernode).pattern();
+            let pattern = structure.rows(path.steps[k].supernode);
             path.steps[k].below = path.places(pattern, k);
         }
         path
@@ -86,21 +86,13 @@ impl Path {
     }
 }
 
-fn supernode_of(structure: &SymbolicSupernodalCholesky<u32>, column: usize) -> usize {
-    let ends = structure.supernode_end();
-    ends.partition_point(|&end| end as usize <= column)
-}
-
 /// The supernodes of columns and those above them, ascending.
-fn above(structure: &SymbolicSupernodalCholesky<u32>, columns: &[usize]) -> BTreeSet<usize> {
+fn above(structure: &Supernodes, columns: &[usize]) -> BTreeSet<usize> {
     let mut found = BTreeSet::new();
     for &column in columns {
-        let mut next = Some(supernode_of(structure, column));
+        let mut next = Some(structure.supernode_of(column));
         while let Some(s) = next.filter(|&s| found.insert(s)) {
-            let below = structure.supernode(s).pattern();
-            next = below
-                .first()
-                .map(|&row| supernode_of(structure, row as usize));
+            next = structure.parent(s);
         }
     }
     found
@@ -163,9 +155,8 @@ impl Factor {
 
     /// The diagonal block of a supernode, and what is below.
     fn blocks(&self, step: &Step) -> (MatRef<'_, f64>, MatRef<'_, f64>) {
-        let begin = self.supernodes().col_ptr_for_val()[step.supernode] as usize;
         let height = step.width + step.below.len();
-        let values = &self.values()[begin..begin + height * step.width];
+        let values = &self.values()[self.supernodes().block(step.supernode)];
         MatRef::from_column_major_slice(values, height, step.width).split_at_row(step.width)
     }
 

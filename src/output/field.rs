@@ -95,6 +95,17 @@ impl Values {
         self.len() == 0
     }
 
+    /// What the values take in a file before they are packed [bytes].
+    pub fn raw_bytes(&self) -> usize {
+        let each = match self {
+            Values::Scalar(_) => 8,
+            Values::Vector(_) => 3 * 8,
+            Values::SymmetricTensor(_) => 9 * 8,
+            Values::Integer(_) => 4,
+        };
+        each * self.len()
+    }
+
     /// The first point or cell with a component that is NaN or infinite, and that component.
     pub fn first_not_finite(&self) -> Option<(usize, f64)> {
         match self {

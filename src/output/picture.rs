@@ -21,7 +21,6 @@ use super::{WriteError, write_whole};
 use crate::geometry::chords_of;
 use crate::mesh::{Cell, CellKind};
 use frame::{Frame, Page};
-use raster::Raster;
 use std::path::Path;
 
 pub use chart::{Axis, Chart, Curve, Mark};
@@ -40,7 +39,7 @@ impl Picture {
     /// Adds axes and what `annotate` draws to the plot's inside.
     fn compose(
         frame: Frame,
-        plot: &Raster,
+        plot: &[Rgb],
         annotate: impl FnOnce(&Page) -> Result<(), PictureError>,
     ) -> Result<Picture, PictureError> {
         let mut rgb = vec![0; 3 * (frame.page[0] * frame.page[1]) as usize];

@@ -1,5 +1,6 @@
 //! What a killed run goes on from: the state behind its last step, as it is kept.
 
+use super::bits;
 use crate::fracture::control::Ending;
 use crate::fracture::event::Load;
 use crate::fracture::state::{Energy, LoadForce, State};
@@ -28,6 +29,7 @@ struct StoredState {
     reaction: Vec<[f64; 2]>,
     residual: f64,
     size: Option<[usize; 3]>,
+    #[serde(with = "bits")]
     intact: Vec<bool>,
     fragments: Vec<Vec<usize>>,
     load_lost: bool,

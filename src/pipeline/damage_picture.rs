@@ -2,12 +2,10 @@
 //! latest state while a run goes. All have the colour scale 0 to 1, so that they compare.
 
 use super::plan::Plan;
-use super::results::ResultsError;
 use crate::fracture::state;
 use crate::geometry::chords;
 use crate::model::Model;
 use crate::output::picture::{Dot, FieldPicture, Square};
-use std::time::{Duration, Instant};
 
 /// Damage of the last state; while a run goes, of the latest one.
 pub const DAMAGE_PICTURE: &str = "damage.png";
@@ -58,38 +56,4 @@ pub(super) fn dots(model: &Model) -> Vec<Dot> {
     let points = model.points.iter();
     let dots = points.flat_map(|p| p.nodes.clone().map(|n| dot(n, p.micromodulus.spacing)));
     dots.collect()
-}
-
-/// How often the picture of a run that goes is drawn again: seldom enough to cost under a hundredth
-/// of the run's time.
-const LATEST_EVERY: Duration = Duration::from_secs(5);
-
-/// `damage.png` while a run goes: from the first break on, of a state a few seconds old at most. What
-/// it shows depends on the clock, so it is no result: it is taken away when the solve stage ends, and
-/// the output stage draws the last state.
-#[derive(Default)]
-pub(super) struct Latest {
-    drawn: Option<Instant>,
-}
-
-impl Latest {
-    /// Draws if bonds have broken and the last picture is old.
-    pub(super) fn show(
-        &mut self,
-        plan: &Plan,
-        model: &Model,
-        step: usize,
-        intact: &[bool],
-    ) -> Result<(), ResultsError> {
-        let is_new = self
-            .drawn
-            .is_some_and(|drawn| drawn.elapsed() < LATEST_EVERY);
-        if !plan.output.pictures || is_new || *intact == *model.intact {
-            return Ok(());
-        }
-        let picture = damage_picture(plan, model, Some(step), intact).draw()?;
-        picture.write(&plan.folder.join(DAMAGE_PICTURE))?;
-        self.drawn = Some(Instant::now());
-        Ok(())
-    }
 }

@@ -2,12 +2,18 @@
 //! factorisation follows, from which a killed run goes on with the same bits: what is between two
 //! factorisations is a function of the state at the first.
 
+use super::bits;
 use super::checkpoint::Checkpoint;
-use super::damage_picture::Latest;
+use super::drafter::{Drafter, Drafts};
 use super::folder::{file_error, remove};
 use super::history::{Line, header};
+use super::parts::Parts;
 use super::plan::{Loading, Plan};
 use super::run::{Observer, RunError};
+use super::scribe::{
+    CHECKPOINT_FILE, JOURNAL_FILE, Order, Scribe, Written, begin_history, read_checkpoint,
+    read_journal,
+};
 use super::spec::Output;
 use super::stamp;
 use super::validate::{limits, programme};
@@ -15,19 +21,18 @@ use crate::fracture::control::{self, Ending, Problem, Record, Resolution};
 use crate::fracture::response::Response;
 use crate::fracture::state::{Limits, State};
 use crate::model::Model;
-use crate::output::{partial_name, write_whole};
+use crate::output::partial_name;
 use crate::phases::Phases;
 use crate::statics::{Solution, Solver};
+use crate::trace::Kind;
 use serde::{Deserialize, Serialize};
-use std::fs::{self, File};
-use std::io::Write;
+use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::thread;
 use std::time::Instant;
 
-pub const HISTORY_FILE: &str = "history.csv";
 const FRAMES_FOLDER: &str = "frames";
-const CHECKPOINT_FILE: &str = ".stamps/checkpoint.bin";
-const JOURNAL_FILE: &str = ".stamps/journal.bin";
 
 /// A moment of the run that is kept whole.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,12 +41,28 @@ pub struct Frame {
     pub load_factor: f64,
     /// [m].
     pub displacement: Vec<[f64; 2]>,
+    #[serde(with = "bits")]
     pub intact: Vec<bool>,
 }
 
+impl Frame {
+    fn new(state: &State) -> Frame {
+        Frame {
+            step: state.step,
+            load_factor: state.load.factor,
+            displacement: state.displacement.clone(),
+            intact: state.intact.clone(),
+        }
+    }
+
+    /// What its numbers take in memory.
+    pub(super) fn raw_bytes(&self) -> u64 {
+        (16 + 16 * self.displacement.len() + self.intact.len()) as u64
+    }
+}
+
 /// What a fracture run leaves.
-#[derive(Clone, Debug)]
-pub struct Fractured {
+pub(super) struct Fractured {
     pub history: Vec<Line>,
     /// Steps that have a frame.
     pub frames: Vec<usize>,
@@ -54,6 +75,10 @@ pub struct Fractured {
     pub solution: Solution,
     /// The springs that are intact in it.
     pub intact: Vec<bool>,
+    /// Frames and the like, as they went to the disk.
+    pub written: Written,
+    /// Files of the output stage that are there already.
+    pub drafts: Drafts,
 }
 
 /// The name of a step's frame in the results folder.
@@ -70,62 +95,94 @@ pub(super) fn read_frame(folder: &Path, step: usize) -> Result<Frame, RunError> 
         .map_err(|error| file_error("read", &path, std::io::Error::other(error)))
 }
 
+/// What to run, and how.
+pub(super) struct Task<'a> {
+    pub plan: &'a Plan,
+    pub loading: &'a Loading,
+    pub model: &'a Model,
+    /// What the solve stage is made from.
+    pub recipe: &'a str,
+    pub resolution: Resolution,
+    /// Where files of the output stage may be drafted meanwhile.
+    pub draft: Option<PathBuf>,
+}
+
 /// Runs from the start, or from the checkpoint of an interrupted run of the same recipe.
 ///
 /// # Errors
 /// See [`RunError`].
 pub(super) fn run(
-    plan: &Plan,
-    loading: &Loading,
-    model: &Model,
-    recipe: &str,
-    resolution: Resolution,
+    task: &Task,
     observer: &mut dyn Observer,
     phases: &mut Phases,
 ) -> Result<Fractured, RunError> {
+    let Task {
+        plan,
+        loading,
+        model,
+        ..
+    } = *task;
     let problem = Problem {
         model,
         programme: &programme(plan, model)?,
         limits: &limits(plan, model),
         control: loading.control,
         until: loading.until,
-        resolution,
+        resolution: task.resolution,
     };
-    let mut writer = Writer::new(plan, &problem, recipe)?;
-    let mut state = match writer.resume()? {
-        Some(state) => {
-            let step = state.step;
-            observer.warns(&format!("an interrupted run goes on after step {step}"));
-            state
+    let recipe = format!("{} {:?}", task.recipe, task.resolution);
+    let mut chronicle = Chronicle::new(plan, &problem, stamp::hash(recipe.as_bytes()));
+    let resumed = chronicle.resume()?;
+    let trace = phases.trace().clone();
+    let parts = Parts { plan, model };
+    thread::scope(|scope| {
+        let scribe = Scribe::start(scope, &plan.folder, trace.clone())?;
+        let drafter = Drafter::start(scope, parts, task.draft.clone(), trace.clone());
+        let mut writer = Writer {
+            chronicle,
+            scribe: Some(scribe),
+            drafter,
+            handed_over: Phases::traced(trace.clone()),
+        };
+        let mut state = match resumed {
+            Some(state) => {
+                let step = state.step;
+                observer.warns(&format!("an interrupted run goes on after step {step}"));
+                state
+            }
+            None => {
+                let state = State::new(model, problem.programme);
+                writer.begin(&state)?;
+                state
+            }
+        };
+        let lost: usize = state.fragments.iter().map(Vec::len).sum();
+        if lost > 0 && state.step == 0 {
+            observer.warns(&format!(
+                "the cracks cut {lost} material points off; they do not move"
+            ));
         }
-        None => {
-            let state = State::new(model, problem.programme);
-            writer.frame(&state)?;
-            writer.checkpoint(&state)?;
-            state
+        let start = Instant::now();
+        let first = state.step;
+        let mut step_start = start;
+        trace.set_step(Some(first + 1));
+        let ending = control::run(&problem, &mut state, phases, |state, record, response| {
+            writer.step(state, record, response)?;
+            let rate = start.elapsed().as_secs_f64() / (state.step - first) as f64;
+            observer.progress(&progress(&problem, writer.chronicle.history.last(), rate));
+            trace.record(Kind::Step, "step", step_start, step_start.elapsed());
+            trace.set_step(Some(state.step + 1));
+            step_start = Instant::now();
+            Ok::<(), RunError>(())
+        });
+        trace.set_step(None);
+        let ending = ending?;
+        writer.end(&state)?;
+        if let Some(warning) = nothing_broke(&problem, &state) {
+            observer.warns(&warning);
         }
-    };
-    let lost: usize = state.fragments.iter().map(Vec::len).sum();
-    if lost > 0 && state.step == 0 {
-        observer.warns(&format!(
-            "the cracks cut {lost} material points off; they do not move"
-        ));
-    }
-    let start = Instant::now();
-    let first = state.step;
-    let mut latest = Latest::default();
-    let ending = control::run(&problem, &mut state, phases, |state, record, response| {
-        writer.step(state, record, response)?;
-        latest.show(plan, model, state.step, &state.intact)?;
-        let rate = start.elapsed().as_secs_f64() / (state.step - first) as f64;
-        observer.progress(&progress(&problem, writer.history.last(), rate));
-        Ok::<(), RunError>(())
-    })?;
-    writer.frame(&state)?;
-    if let Some(warning) = nothing_broke(&problem, &state) {
-        observer.warns(&warning);
-    }
-    writer.finish(&state, ending, phases)
+        writer.finish(&state, ending, phases)
+    })
 }
 
 /// Where the run is, in a line.
@@ -166,73 +223,61 @@ fn nothing_broke(problem: &Problem, state: &State) -> Option<String> {
     ))
 }
 
-/// Puts history, frames and checkpoints on disk.
-struct Writer<'a> {
+/// The course of the run so far.
+struct Chronicle<'a> {
     plan: &'a Plan,
     problem: &'a Problem<'a>,
     recipe: String,
     history: Vec<Line>,
+    /// Steps that have a frame.
     frames: Vec<usize>,
-    csv: File,
-    journal: Journal,
-    csv_path: PathBuf,
     /// Crack length that each spring adds when it breaks [m].
     crack_lengths: Vec<f64>,
     initial_length: f64,
 }
 
-impl<'a> Writer<'a> {
-    fn new(plan: &'a Plan, problem: &'a Problem<'a>, recipe: &str) -> Result<Writer<'a>, RunError> {
-        let csv_path = plan.folder.join(HISTORY_FILE);
-        let csv = File::options().create(true).append(true).open(&csv_path);
-        let csv = csv.map_err(|source| file_error("create", &csv_path, source))?;
+impl<'a> Chronicle<'a> {
+    fn new(plan: &'a Plan, problem: &'a Problem<'a>, recipe: String) -> Chronicle<'a> {
         let crack_lengths = crack_lengths(problem.model, problem.limits);
         let severed = (problem.model.intact.iter())
             .zip(&crack_lengths)
             .filter(|(intact, _)| !**intact);
         let initial_length = severed.map(|(_, length)| length).sum();
-        Ok(Writer {
+        Chronicle {
             plan,
             problem,
-            recipe: stamp::hash(format!("{recipe} {:?}", problem.resolution).as_bytes()),
+            recipe,
             history: Vec::new(),
             frames: Vec::new(),
-            csv,
-            journal: Journal::new(&plan.folder),
-            csv_path,
             crack_lengths,
             initial_length,
-        })
+        }
     }
 
     /// The state of the checkpoint, if it is of this recipe; history and frames go on from there.
     fn resume(&mut self) -> Result<Option<State>, RunError> {
-        let bytes = fs::read(self.plan.folder.join(CHECKPOINT_FILE)).unwrap_or_default();
-        let stored: Option<Checkpoint> = postcard::from_bytes(&bytes).ok();
-        let has_frame = |&step: &usize| self.plan.folder.join(frame_file(step)).is_file();
-        let stored = stored.filter(|checkpoint| {
+        let folder = &self.plan.folder;
+        let has_frame = |&step: &usize| folder.join(frame_file(step)).is_file();
+        let stored = read_checkpoint(folder).filter(|checkpoint| {
             checkpoint.recipe == self.recipe && checkpoint.frames.iter().all(has_frame)
         });
         let stored = stored.and_then(|checkpoint| {
-            let lines = self.journal.read(checkpoint.lines)?;
+            let lines = read_journal(folder, checkpoint.lines)?;
             Some((checkpoint, lines))
         });
         if let Some((checkpoint, lines)) = &stored {
             self.history.clone_from(lines);
             self.frames.clone_from(&checkpoint.frames);
         } else {
-            forget_frames(&self.plan.folder)?;
-            let folder = self.plan.folder.join(FRAMES_FOLDER);
-            fs::create_dir_all(&folder).map_err(|source| file_error("create", &folder, source))?;
+            forget_frames(folder)?;
+            let frames = folder.join(FRAMES_FOLDER);
+            fs::create_dir_all(&frames).map_err(|source| file_error("create", &frames, source))?;
         }
         let mut text = header(self.problem.programme.supports()) + "\n";
         for line in &self.history {
             text += &(self.csv(line) + "\n");
         }
-        write_whole(&self.csv_path, text.as_bytes())?;
-        let csv = File::options().append(true).open(&self.csv_path);
-        self.csv = csv.map_err(|source| file_error("write", &self.csv_path, source))?;
-        self.journal.begin(&self.history)?;
+        begin_history(folder, &text, &self.history)?;
         Ok(stored.map(|(checkpoint, _)| checkpoint.into_state()))
     }
 
@@ -240,36 +285,18 @@ impl<'a> Writer<'a> {
         line.csv(&self.problem.programme.phases[line.phase].name)
     }
 
-    fn step(&mut self, state: &State, record: Record, response: &Response) -> Result<(), RunError> {
-        let first_break = record.broken > 0 && state.broken.len() == record.broken;
-        let line = self.line(state, record, response);
-        writeln!(self.csv, "{}", self.csv(&line))
-            .map_err(|source| file_error("write", &self.csv_path, source))?;
-        self.journal.add(&line)?;
-        self.history.push(line);
-        let Output {
-            every, pictures_at, ..
-        } = &self.plan.output;
-        let is_pictured = pictures_at.contains(&state.step);
-        if first_break || is_pictured || state.step.is_multiple_of(*every) {
-            if response.foresees_next() {
-                let mut whole = state.clone();
-                whole.settle(self.problem, response);
-                self.frame(&whole)?;
-            } else {
-                self.frame(state)?;
-            }
-        }
-        if response.is_reproducible(state) {
-            self.checkpoint(state)?;
-        }
-        Ok(())
+    fn checkpoint(&self, state: &State) -> Box<Checkpoint> {
+        let checkpoint = Checkpoint::new(&self.recipe, state, self.history.len(), &self.frames);
+        Box::new(checkpoint)
     }
 
-    fn checkpoint(&self, state: &State) -> Result<(), RunError> {
-        let checkpoint = Checkpoint::new(&self.recipe, state, self.history.len(), &self.frames);
-        let path = self.plan.folder.join(CHECKPOINT_FILE);
-        Ok(write_whole(&path, &encode(&checkpoint))?)
+    /// The frame of a state that has none yet.
+    fn frame(&mut self, state: &State) -> Option<Arc<Frame>> {
+        let is_new = self.frames.last() != Some(&state.step);
+        is_new.then(|| {
+            self.frames.push(state.step);
+            Arc::new(Frame::new(state))
+        })
     }
 
     fn line(&self, state: &State, record: Record, response: &Response) -> Line {
@@ -302,20 +329,85 @@ impl<'a> Writer<'a> {
             reactions,
         }
     }
+}
 
-    fn frame(&mut self, state: &State) -> Result<(), RunError> {
-        if self.frames.last() == Some(&state.step) {
-            return Ok(());
-        }
-        let frame = Frame {
-            step: state.step,
-            load_factor: state.load.factor,
-            displacement: state.displacement.clone(),
-            intact: state.intact.clone(),
+/// Hands history, frames and checkpoints over to the threads behind the solve.
+struct Writer<'a, 'scope> {
+    chronicle: Chronicle<'a>,
+    /// Until it meets an error, or the end.
+    scribe: Option<Scribe<'scope>>,
+    drafter: Drafter<'scope>,
+    /// What the solve spends on it.
+    handed_over: Phases,
+}
+
+/// The phase of copying a state and of waiting for room in the queue.
+const HAND_OVER: &str = "hand over";
+
+impl Writer<'_, '_> {
+    /// The state before the first step.
+    fn begin(&mut self, state: &State) -> Result<(), RunError> {
+        let frame = self.chronicle.frame(state);
+        let checkpoint = Some(self.chronicle.checkpoint(state));
+        self.give(Order {
+            line: None,
+            frame,
+            checkpoint,
+        })
+    }
+
+    fn step(&mut self, state: &State, record: Record, response: &Response) -> Result<(), RunError> {
+        let start = Instant::now();
+        let Chronicle { plan, problem, .. } = self.chronicle;
+        let first_break = record.broken > 0 && state.broken.len() == record.broken;
+        let line = self.chronicle.line(state, record, response);
+        self.chronicle.history.push(line.clone());
+        let Output {
+            every, pictures_at, ..
+        } = &plan.output;
+        let is_pictured = pictures_at.contains(&state.step);
+        let wants_frame = first_break || is_pictured || state.step.is_multiple_of(*every);
+        let frame = match (wants_frame, response.foresees_next()) {
+            (false, _) => None,
+            (true, false) => self.chronicle.frame(state),
+            (true, true) => {
+                let mut whole = state.clone();
+                whole.settle(problem, response);
+                self.chronicle.frame(&whole)
+            }
         };
-        self.frames.push(state.step);
-        let path = self.plan.folder.join(frame_file(state.step));
-        Ok(write_whole(&path, &encode(&frame))?)
+        let checkpoint = response
+            .is_reproducible(state)
+            .then(|| self.chronicle.checkpoint(state));
+        self.give(Order {
+            line: Some((self.chronicle.csv(&line), line)),
+            frame,
+            checkpoint,
+        })?;
+        let parts = Parts {
+            plan,
+            model: problem.model,
+        };
+        self.drafter.latest(parts, state.step, &state.intact);
+        self.handed_over.note(HAND_OVER, start);
+        Ok(())
+    }
+
+    /// The state behind the last step.
+    fn end(&mut self, state: &State) -> Result<(), RunError> {
+        let frame = self.chronicle.frame(state);
+        self.give(Order {
+            frame,
+            ..Order::default()
+        })
+    }
+
+    fn give(&mut self, order: Order) -> Result<(), RunError> {
+        if let Some(frame) = &order.frame {
+            self.drafter.frame(frame);
+        }
+        let scribe = self.scribe.take_if(|scribe| !scribe.give(order));
+        scribe.map_or(Ok(()), |scribe| scribe.finish().map(|_| ()))
     }
 
     fn finish(
@@ -324,17 +416,26 @@ impl<'a> Writer<'a> {
         ending: Ending,
         phases: &mut Phases,
     ) -> Result<Fractured, RunError> {
-        let Problem {
-            model, programme, ..
-        } = self.problem;
+        let Writer {
+            chronicle,
+            scribe,
+            drafter,
+            handed_over,
+        } = self;
+        phases.append(handed_over.list);
         let size = match state.size {
             Some(size) => size,
             // No step was possible.
-            None => Solver::new(model, programme.supports(), phases)?.size(),
+            None => {
+                let supports = chronicle.problem.programme.supports();
+                Solver::new(chronicle.problem.model, supports, phases)?.size()
+            }
         };
+        let scribe = scribe.expect("an error of the scribe ends the run where it is met");
+        let (drafts, written) = phases.measure(HAND_OVER, || (drafter.finish(), scribe.finish()));
         Ok(Fractured {
-            history: self.history,
-            frames: self.frames,
+            history: chronicle.history,
+            frames: chronicle.frames,
             ending,
             fragments: state.fragments.iter().map(Vec::len).collect(),
             reason: state.stopped.as_ref().map(|(_, reason)| reason.clone()),
@@ -345,52 +446,9 @@ impl<'a> Writer<'a> {
                 residual: state.residual,
                 size,
             },
+            written: written?,
+            drafts,
         })
-    }
-}
-
-/// The history as it is in memory, line by line, so that a checkpoint need not repeat it.
-struct Journal {
-    path: PathBuf,
-    file: Option<File>,
-}
-
-impl Journal {
-    fn new(folder: &Path) -> Journal {
-        Journal {
-            path: folder.join(JOURNAL_FILE),
-            file: None,
-        }
-    }
-
-    /// The first lines, where there are as many.
-    fn read(&self, count: usize) -> Option<Vec<Line>> {
-        let bytes = fs::read(&self.path).unwrap_or_default();
-        let mut rest = bytes.as_slice();
-        let mut line = || {
-            let (line, after) = postcard::take_from_bytes(rest).ok()?;
-            rest = after;
-            Some(line)
-        };
-        (0..count).map(|_| line()).collect()
-    }
-
-    /// Starts with these lines.
-    fn begin(&mut self, lines: &[Line]) -> Result<(), RunError> {
-        let bytes: Vec<u8> = lines.iter().flat_map(encode).collect();
-        write_whole(&self.path, &bytes)?;
-        let file = File::options().append(true).open(&self.path);
-        self.file = Some(file.map_err(|source| file_error("write", &self.path, source))?);
-        Ok(())
-    }
-
-    fn add(&mut self, line: &Line) -> Result<(), RunError> {
-        let Journal { path, file } = self;
-        let file = file
-            .as_mut()
-            .expect("a journal is begun before its first line");
-        file.write_all(&encode(line))
-            .map_err(|source| file_error("write", path, source))
     }
 }
 
@@ -445,6 +503,6 @@ fn crack_lengths(model: &Model, limits: &Limits) -> Vec<f64> {
     lengths
 }
 
-fn encode(value: &impl Serialize) -> Vec<u8> {
+pub(super) fn encode(value: &impl Serialize) -> Vec<u8> {
     postcard::to_stdvec(value).expect("plain data in memory can be encoded")
 }

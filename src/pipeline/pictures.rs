@@ -3,66 +3,98 @@
 use super::damage_picture::{DAMAGE_PICTURE, damage_file, damage_picture, dots};
 use super::fracture::read_frame;
 use super::history::Line;
+use super::made::Made;
+use super::plan::Plan;
 use super::results::{Outcome, ResultsError};
 use super::run::RunError;
 use super::solved::Course;
 use crate::fem::element::MappedPoint;
 use crate::geometry::{chords, chords_of};
-use crate::model::Method;
+use crate::model::{Method, Model};
 use crate::output::picture::{
-    self, Axis, Chart, Curve, FieldPicture, Filling, Mark, MeshPicture, Patch, Square,
+    self, Axis, Chart, Curve, FieldPicture, Filling, Mark, MeshPicture, Patch, Picture,
+    PictureError, Square,
 };
+use crate::output::write_whole;
+use crate::trace::Trace;
 use std::path::Path;
 
+/// A picture of the results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sheet {
+    Mesh,
+    /// A component of the displacement of the last state.
+    Displacement(usize),
+    /// Of the last state.
+    Damage,
+    /// At a step that the pipeline names.
+    DamageAt(usize),
+    LoadDisplacement,
+}
+
+impl Sheet {
+    pub fn file(self) -> String {
+        match self {
+            Sheet::Mesh => MESH_PICTURE.to_owned(),
+            Sheet::Displacement(axis) => format!("displacement_{}.png", ['x', 'y'][axis]),
+            Sheet::Damage => DAMAGE_PICTURE.to_owned(),
+            Sheet::DamageAt(step) => damage_file(step),
+            Sheet::LoadDisplacement => "load_displacement.png".to_owned(),
+        }
+    }
+}
+
+pub(super) const MESH_PICTURE: &str = "mesh.png";
+
 impl Outcome<'_> {
-    pub(super) fn write_pictures(&self, folder: &Path) -> Result<Vec<String>, RunError> {
-        let mut files = self.write_shapes(folder)?;
-        if self.has_damage() {
-            files.extend(self.write_damage(folder)?);
-        }
-        if let Some(course) = &self.solved.fracture {
-            let picture = self.load_displacement(course).draw();
-            let file = "load_displacement.png";
-            let written = picture.and_then(|picture| picture.write(&folder.join(file)));
-            written.map_err(ResultsError::from)?;
-            files.push(file.to_owned());
-        }
-        Ok(files)
-    }
-
-    /// The mesh and the displacements.
-    fn write_shapes(&self, folder: &Path) -> Result<Vec<String>, ResultsError> {
-        self.mesh_picture()
-            .draw()?
-            .write(&folder.join("mesh.png"))?;
-        let mut files = vec!["mesh.png".to_owned()];
-        for (axis, file) in [(0, "displacement_x.png"), (1, "displacement_y.png")] {
-            self.displacement_picture(axis)
-                .draw()?
-                .write(&folder.join(file))?;
-            files.push(file.to_owned());
-        }
-        Ok(files)
-    }
-
-    /// Damage of the last state, and of the steps that the pipeline names.
-    fn write_damage(&self, folder: &Path) -> Result<Vec<String>, RunError> {
-        let draw = |step: Option<usize>, intact: &[bool], file: &str| {
-            let picture = damage_picture(self.plan, self.model, step, intact).draw()?;
-            picture.write(&folder.join(file))
-        };
+    /// The pictures that there are, in the order in which they are listed.
+    pub(super) fn sheets(&self) -> Vec<Sheet> {
+        let mut sheets = vec![Sheet::Mesh, Sheet::Displacement(0), Sheet::Displacement(1)];
         let course = self.solved.fracture.as_ref();
-        let last = course.and_then(|course| course.history.last());
-        let step = last.map(|line| line.step);
-        draw(step, &self.solved.intact, DAMAGE_PICTURE).map_err(ResultsError::from)?;
-        let mut files = vec![DAMAGE_PICTURE.to_owned()];
-        for step in course.map_or_else(Vec::new, |course| self.pictured(course)) {
-            let frame = read_frame(&self.plan.folder, step)?;
-            let file = damage_file(step);
-            draw(Some(step), &frame.intact, &file).map_err(ResultsError::from)?;
-            files.push(file);
+        if self.has_damage() {
+            sheets.push(Sheet::Damage);
+            let pictured = course.map_or_else(Vec::new, |course| self.pictured(course));
+            sheets.extend(pictured.into_iter().map(Sheet::DamageAt));
         }
-        Ok(files)
+        sheets.extend(course.map(|_| Sheet::LoadDisplacement));
+        sheets
+    }
+
+    /// Draws one into `folder`.
+    pub(super) fn draw(
+        &self,
+        sheet: Sheet,
+        folder: &Path,
+        trace: &Trace,
+    ) -> Result<Made, RunError> {
+        let Outcome {
+            plan,
+            model,
+            solved,
+            ..
+        } = self;
+        let course = solved.fracture.as_ref();
+        let frame = match sheet {
+            Sheet::DamageAt(step) => Some(read_frame(&plan.folder, step)?),
+            _ => None,
+        };
+        let made = Made::measured(sheet.file(), trace, |file| {
+            let picture = match (sheet, course) {
+                (Sheet::LoadDisplacement, Some(course)) => self.load_displacement(course).draw(),
+                (Sheet::Displacement(axis), _) => self.displacement_picture(axis).draw(),
+                (Sheet::Damage | Sheet::DamageAt(_), _) => {
+                    let last = course.and_then(|course| course.history.last());
+                    let (step, intact) = match &frame {
+                        Some(frame) => (Some(frame.step), &frame.intact),
+                        None => (last.map(|line| line.step), &solved.intact),
+                    };
+                    damage_picture(plan, model, step, intact).draw()
+                }
+                (Sheet::Mesh | Sheet::LoadDisplacement, _) => mesh_picture(plan, model).draw(),
+            };
+            put(&picture?, &folder.join(file))
+        });
+        Ok(made.map_err(ResultsError::from)?)
     }
 
     /// The steps of `output.pictures_at` that the run has come to.
@@ -143,44 +175,6 @@ impl Outcome<'_> {
         }
     }
 
-    fn mesh_picture(&self) -> MeshPicture {
-        let model = self.model;
-        let dots = dots(model);
-        let region = |(index, region): (usize, &crate::model::Region)| {
-            let (name, filling, count) = match region.method {
-                Method::Peridynamics(_) => {
-                    let points = dots.iter().filter(|dot| dot.region == index);
-                    ("peridynamics", Filling::Points, points.count())
-                }
-                Method::FiniteElements => ("finite elements", Filling::Cells, region.cells.len()),
-            };
-            picture::Region {
-                name: region.name.clone(),
-                model: name.to_owned(),
-                filling,
-                count,
-            }
-        };
-        let patch = |&(region, cell): &(usize, usize)| Patch {
-            outline: picture::outline(&model.mesh.cells[cell], |n| model.mesh.nodes[n]),
-            region,
-        };
-        let edges = model
-            .interfaces
-            .iter()
-            .flat_map(|interface| &interface.edges);
-        let cracks = self.plan.cracks.iter();
-        let cracks = cracks.flat_map(|name| &model.mesh.curves[name]);
-        MeshPicture {
-            title: format!("{}: mesh and regions", self.plan.name),
-            regions: model.regions.iter().enumerate().map(region).collect(),
-            points: dots,
-            cells: model.elements.iter().map(patch).collect(),
-            interfaces: edges.map(|e| chords(e, &model.mesh.nodes)).collect(),
-            cracks: cracks.map(|edge| chords(edge, &model.mesh.nodes)).collect(),
-        }
-    }
-
     /// u_x or u_y on the deformed shape.
     fn displacement_picture(&self, axis: usize) -> FieldPicture {
         let model = self.model;
@@ -236,6 +230,52 @@ impl Outcome<'_> {
     fn extent(&self) -> f64 {
         let [low, high] = self.model.bounds();
         (high[0] - low[0]).max(high[1] - low[1])
+    }
+}
+
+/// Writes a picture; gives the bytes of its pixels and of the file.
+pub(super) fn put(picture: &Picture, path: &Path) -> Result<[u64; 2], PictureError> {
+    let bytes = picture.to_png()?;
+    write_whole(path, &bytes)?;
+    let [width, height] = picture.size().map(u64::from);
+    Ok([3 * width * height, bytes.len() as u64])
+}
+
+/// Elements, material points, interfaces, cracks.
+pub(super) fn mesh_picture(plan: &Plan, model: &Model) -> MeshPicture {
+    let dots = dots(model);
+    let region = |(index, region): (usize, &crate::model::Region)| {
+        let (name, filling, count) = match region.method {
+            Method::Peridynamics(_) => {
+                let points = dots.iter().filter(|dot| dot.region == index);
+                ("peridynamics", Filling::Points, points.count())
+            }
+            Method::FiniteElements => ("finite elements", Filling::Cells, region.cells.len()),
+        };
+        picture::Region {
+            name: region.name.clone(),
+            model: name.to_owned(),
+            filling,
+            count,
+        }
+    };
+    let patch = |&(region, cell): &(usize, usize)| Patch {
+        outline: picture::outline(&model.mesh.cells[cell], |n| model.mesh.nodes[n]),
+        region,
+    };
+    let edges = model
+        .interfaces
+        .iter()
+        .flat_map(|interface| &interface.edges);
+    let cracks = plan.cracks.iter();
+    let cracks = cracks.flat_map(|name| &model.mesh.curves[name]);
+    MeshPicture {
+        title: format!("{}: mesh and regions", plan.name),
+        regions: model.regions.iter().enumerate().map(region).collect(),
+        points: dots,
+        cells: model.elements.iter().map(patch).collect(),
+        interfaces: edges.map(|e| chords(e, &model.mesh.nodes)).collect(),
+        cracks: cracks.map(|edge| chords(edge, &model.mesh.nodes)).collect(),
     }
 }
 

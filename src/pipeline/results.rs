@@ -1,20 +1,18 @@
 //! What a run leaves in `results/NAME/`: VTU parts and their PVD, pictures, `summary.json`.
 
-use super::fracture::{Frame, read_frame};
+use super::costs::Costs;
 use super::history::Line;
+use super::made::Made;
+use super::parts::{Parts, has_damage};
 use super::plan::{Plan, Probe};
 use super::run::RunError;
 use super::solved::Solved;
-use super::spec::OutputField;
+use super::workshop::Workshop;
 use crate::boundary::Boundary;
-use crate::fields::points::PointFields;
-use crate::fields::{NodalFields, stretches};
-use crate::fracture::state;
 use crate::model::{Method, Model};
-use crate::output::field::{Field, FieldName};
 use crate::output::picture::PictureError;
-use crate::output::pvd::{self, PvdError};
-use crate::output::vtu::{Part, PartCell, VtuError};
+use crate::output::pvd::PvdError;
+use crate::output::vtu::VtuError;
 use crate::phases::Phases;
 use crate::statics::group_reactions;
 use serde_json::{Value, json};
@@ -43,221 +41,48 @@ pub struct Outcome<'a> {
 }
 
 impl Outcome<'_> {
-    /// Writes everything but the summary into `folder` and returns the files' names.
+    /// Writes everything but the summary into `folder`, without what has been `drafted` there, and
+    /// returns all that is there now.
     ///
     /// # Errors
     /// See [`ResultsError`].
-    pub fn write(&self, folder: &Path, phases: &mut Phases) -> Result<Vec<String>, RunError> {
-        let mut files = phases.measure("vtu", || self.write_parts(folder))?;
-        if self.plan.output.pictures {
-            files.extend(phases.measure("pictures", || self.write_pictures(folder))?);
-        }
-        Ok(files)
-    }
-
-    /// One set of parts, or one for each frame of a fracture run.
-    fn write_parts(&self, folder: &Path) -> Result<Vec<String>, RunError> {
-        let mut files = Vec::new();
-        let mut entries = Vec::new();
-        match &self.solved.fracture {
-            None => {
-                let frame = Frame {
-                    step: 0,
-                    load_factor: 1.0,
-                    displacement: self.solved.solution.displacement.clone(),
-                    intact: self.model.intact.clone(),
-                };
-                self.write_frame(&frame, "", folder, &mut files, &mut entries)?;
-            }
-            Some(course) => {
-                for &step in &course.frames {
-                    let frame = read_frame(&self.plan.folder, step)?;
-                    let suffix = format!("_{step:06}");
-                    self.write_frame(&frame, &suffix, folder, &mut files, &mut entries)?;
-                }
-            }
-        }
-        let series = format!("{}.pvd", self.plan.name);
-        pvd::write(&folder.join(&series), &entries).map_err(ResultsError::from)?;
-        files.push(series);
-        Ok(files)
-    }
-
-    fn write_frame(
+    pub(super) fn write(
         &self,
-        frame: &Frame,
-        suffix: &str,
         folder: &Path,
-        files: &mut Vec<String>,
-        entries: &mut Vec<pvd::Entry>,
-    ) -> Result<(), ResultsError> {
-        let mut parts = Vec::new();
-        if !self.model.elements.is_empty() {
-            parts.push(("finite elements", "elements", self.element_part(frame)));
-        }
-        if !self.model.areas.is_empty() {
-            parts.push(("material points", "points", self.point_part(frame)));
-        }
-        if self.plan.output.bonds && !self.model.springs.is_empty() {
-            parts.push(("bonds", "bonds", self.bond_part(frame)));
-        }
-        for (index, (title, kind, part)) in parts.into_iter().enumerate() {
-            let file = format!("{}_{kind}{suffix}.vtu", self.plan.name);
-            part.write(&folder.join(&file))?;
-            entries.push(pvd::Entry {
-                time: frame.step as f64,
-                part: index,
-                name: title.to_owned(),
-                file: file.clone(),
-            });
-            files.push(file);
-        }
-        Ok(())
-    }
-
-    /// Whether bonds can be broken: by cracks from the start, or by load.
-    pub(super) fn has_damage(&self) -> bool {
-        !self.plan.cracks.is_empty() || self.plan.loading.is_some()
-    }
-
-    fn wants(&self, field: OutputField) -> bool {
-        self.plan.output.fields.contains(&field)
-    }
-
-    /// Finite elements: a point per node, and one more where materials meet.
-    fn element_part(&self, frame: &Frame) -> Part {
-        let model = self.model;
-        let nodal = NodalFields::new(model, &frame.displacement);
-        let at = |values: &[[f64; 2]]| nodal.nodes.iter().map(|&n| values[n as usize]).collect();
-        let mut part = Part::new(at(&model.positions));
-        for (element, copies) in nodal.element_copies.iter().enumerate() {
-            part.push_cell(PartCell::Surface(model.cell(element).kind), copies);
-        }
-        if self.wants(OutputField::Displacement) {
-            part.point_data.push(Field::vector(
-                FieldName::Displacement,
-                at(&frame.displacement),
-            ));
-        }
-        let (stress, strain) = (nodal.stress, nodal.strain);
-        if self.wants(OutputField::Stress) {
-            part.point_data
-                .push(Field::symmetric_tensor(FieldName::Stress, stress));
-        }
-        if self.wants(OutputField::Strain) {
-            part.point_data
-                .push(Field::symmetric_tensor(FieldName::Strain, strain));
-        }
-        let region = |&(region, _): &(usize, usize)| region;
-        part.cell_data
-            .extend(self.region_fields(model.elements.iter().map(region)));
-        part
-    }
-
-    fn point_part(&self, frame: &Frame) -> Part {
-        let model = self.model;
-        let first = model.fe_node_count();
-        let mut part = Part::of_vertices(model.positions[first..].to_vec());
-        if self.wants(OutputField::Displacement) {
-            let u = frame.displacement[first..].to_vec();
-            part.point_data
-                .push(Field::vector(FieldName::Displacement, u));
-        }
-        let volumes = model
-            .areas
-            .iter()
-            .map(|a| a * model.settings.thickness)
-            .collect();
-        let PointFields { strain, stress } =
-            PointFields::new(model, &frame.displacement, &frame.intact);
-        if self.wants(OutputField::Stress) {
-            part.point_data
-                .push(Field::symmetric_tensor(FieldName::Stress, stress));
-        }
-        if self.wants(OutputField::Strain) {
-            part.point_data
-                .push(Field::symmetric_tensor(FieldName::Strain, strain));
-        }
-        if self.has_damage() {
-            let damage = state::damage(model, &frame.intact);
-            part.point_data
-                .push(Field::scalar(FieldName::Damage, damage));
-        }
-        part.point_data
-            .push(Field::scalar(FieldName::Area, model.areas.clone()));
-        part.point_data
-            .push(Field::scalar(FieldName::Volume, volumes));
-        let regions = (first..model.node_count()).filter_map(|node| model.region_of_point(node));
-        part.cell_data.extend(self.region_fields(regions));
-        part
-    }
-
-    /// Bonds and trusses with stiffness.
-    fn bond_part(&self, frame: &Frame) -> Part {
-        let model = self.model;
-        let stiff: Vec<usize> = (0..model.springs.len())
-            .filter(|&s| model.springs.stiffness[s] != 0.0)
-            .collect();
-        let mut points = model.positions.clone();
-        let mut u = frame.displacement.clone();
-        let mut ends: Vec<[usize; 2]> = Vec::with_capacity(stiff.len());
-        for &s in &stiff {
-            if let Some(pair) = model.springs.pairs().get(s) {
-                ends.push(pair.map(|n| n as usize));
-            } else {
-                // Interpolated ends are points of their own.
-                ends.push([points.len(), points.len() + 1]);
-                points.extend(model.springs.segment(s, &model.positions));
-                u.extend(model.springs.end_displacements(s, &frame.displacement));
-            }
-        }
-        let mut part = Part::of_lines(points, &ends);
-        if self.wants(OutputField::Displacement) {
-            part.point_data
-                .push(Field::vector(FieldName::Displacement, u));
-        }
-        let all = stretches(model, &frame.displacement);
-        let of_stiff = |values: &[f64]| stiff.iter().map(|&s| values[s]).collect();
-        let is_truss = stiff
-            .iter()
-            .map(|&s| i32::from(model.is_truss(s)))
-            .collect();
-        part.cell_data = vec![
-            Field::scalar(FieldName::Stretch, of_stiff(&all)),
-            Field::scalar(FieldName::Stiffness, of_stiff(&model.springs.stiffness)),
-            Field::integer(FieldName::Truss, is_truss),
-        ];
-        if self.has_damage() {
-            let intact = stiff.iter().map(|&s| i32::from(frame.intact[s]));
-            let intact = Field::integer(FieldName::Intact, intact.collect());
-            part.cell_data.push(intact);
-        }
-        part
-    }
-
-    fn region_fields(&self, regions: impl Iterator<Item = usize>) -> [Field; 2] {
-        let regions: Vec<usize> = regions.collect();
-        let names: Vec<&String> = self.plan.spec.materials.keys().collect();
-        let material = |&region: &usize| {
-            let name = &self.plan.regions[region].material_name;
-            names
-                .iter()
-                .position(|n| *n == name)
-                .map_or(-1, |index| index as i32)
+        drafted: Vec<Made>,
+        phases: &mut Phases,
+    ) -> Result<Vec<Made>, RunError> {
+        let workshop = Workshop {
+            outcome: self,
+            folder,
+            drafted: drafted
+                .into_iter()
+                .map(|made| (made.name.clone(), made))
+                .collect(),
+            trace: phases.trace().clone(),
         };
-        let materials = regions.iter().map(material).collect();
-        [
-            Field::integer(
-                FieldName::Region,
-                regions.iter().map(|&r| r as i32).collect(),
-            ),
-            Field::integer(FieldName::Material, materials),
-        ]
+        let mut made = phases.measure("vtu", || workshop.parts())?;
+        if self.plan.output.pictures {
+            made.extend(phases.measure("pictures", || workshop.pictures())?);
+        }
+        Ok(made)
+    }
+
+    pub(super) fn parts(&self) -> Parts<'_> {
+        Parts {
+            plan: self.plan,
+            model: self.model,
+        }
+    }
+
+    pub(super) fn has_damage(&self) -> bool {
+        has_damage(self.plan)
     }
 
     /// `summary.json`.
-    pub fn summary(&self, files: &[String], phases: &Phases, peak_memory: Option<u64>) -> Value {
+    pub(super) fn summary(&self, files: &[String], costs: &Costs) -> Value {
         let model = self.model;
+        let [phases, behind, seconds] = costs.times();
         let count = |method: fn(&Method) -> bool| {
             model
                 .regions
@@ -295,14 +120,12 @@ impl Outcome<'_> {
             "probes": self.plan.probes.iter().map(|p| self.probe(p)).collect::<Vec<_>>(),
             "reactions_n": group_reactions(self.boundary, &self.solved.solution.reaction),
             "residual": self.solved.solution.residual,
-            "phases": phases.list.iter().map(|phase| json!({
-                "phase": phase.name,
-                "count": phase.count,
-                "seconds": phase.time.as_secs_f64(),
-                "share": phase.time.as_secs_f64() / phases.total().as_secs_f64(),
-            })).collect::<Vec<_>>(),
-            "seconds": phases.total().as_secs_f64(),
-            "peak_memory_bytes": peak_memory,
+            "phases": phases,
+            "seconds": seconds,
+            "behind": behind,
+            "written": costs.written(),
+            "memory": costs.memory(self.solved.solution.size),
+            "peak_memory_bytes": costs.peak_memory,
             "files": files,
         })
     }

@@ -1,13 +1,17 @@
 //! Runs the stages that are stale: mesh → solve → output. Bad input is found before anything is
 //! written; what is written appears under its name only when it is whole.
 
+use super::costs::{Costs, StoredCosts};
 use super::damage_picture::DAMAGE_PICTURE;
-use super::folder::{draft, file_error, hash_of, lock, remove, sweep};
-use super::fracture::{self, Fractured, HISTORY_FILE, forget_checkpoint, frame_file};
+use super::drafter::Drafts;
+use super::folder::{DRAFT_FOLDER, draft, file_error, hash_of, lock, remove, remove_folder, sweep};
+use super::fracture::{self, Fractured, Task, forget_checkpoint, frame_file};
+use super::made::{Made, account};
 use super::meshing::{mesh_geometry, to_mesh};
 use super::plan::{Loading, Plan};
 use super::recipe::recipe;
 use super::results::{Outcome, ResultsError, lattice_name};
+use super::scribe::{HISTORY_FILE, Written};
 use super::solved::{Course, Solved, StoredSolution};
 use super::source::InputError;
 use super::stamp::{self, Manifest, Reasons, Recipe, Stage};
@@ -18,8 +22,9 @@ use crate::fracture::control::Resolution;
 use crate::gmsh::{self, Extract, GmshError};
 use crate::model::Model;
 use crate::output::{WriteError, write_whole};
-use crate::phases::{Phase, Phases, peak_memory};
+use crate::phases::{Phases, peak_memory};
 use crate::statics::{self, Solution, StaticsError};
+use crate::trace::{Kind, Trace};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -27,6 +32,7 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use tempfile::TempDir;
 use thiserror::Error;
 
 /// Why a run ended early.
@@ -96,6 +102,8 @@ pub struct Options {
     /// How a fracture run finds its responses.
     pub resolution: Resolution,
     pub gmsh: gmsh::Options,
+    /// Collects what the profile shows.
+    pub trace: Trace,
 }
 
 impl Default for Options {
@@ -105,6 +113,7 @@ impl Default for Options {
             force: false,
             resolution: Resolution::default(),
             gmsh: gmsh::Options::default(),
+            trace: Trace::default(),
         }
     }
 }
@@ -171,12 +180,14 @@ pub fn run(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Option<Value>, RunError> {
+    let _span = options.trace.span(Kind::Run, plan.name.clone());
     let mut run = Run {
         plan,
         options,
         observer,
-        phases: Phases::default(),
+        costs: Costs::default(),
         kept: BTreeMap::new(),
+        draft: None,
         lock: None,
     };
     sweep(&plan.folder)?;
@@ -222,16 +233,19 @@ struct Meshed {
     recipe: Recipe,
     /// Made in this run, and not yet kept.
     is_new: bool,
-    time: Duration,
+    phases: Phases,
 }
 
 struct Run<'a> {
     plan: &'a Plan,
     options: &'a Options,
     observer: &'a mut dyn Observer,
-    phases: Phases,
+    /// Of all stages so far, those included that an earlier run has done.
+    costs: Costs,
     /// Hashes of what the stages of this run have delivered, on disk now or soon.
     kept: BTreeMap<&'static str, String>,
+    /// Files of the output stage that were made behind the solve, and the folder that holds them.
+    draft: Option<(TempDir, Vec<Made>)>,
     lock: Option<File>,
 }
 
@@ -252,30 +266,31 @@ impl Run<'_> {
             && let Some((extract, bytes)) = read_stored(&self.plan.folder.join(MESH_FILE))
         {
             self.kept.insert(MESH_FILE, stamp::hash(&bytes));
+            self.restore(Stage::Mesh);
             return Ok(Meshed {
                 extract,
                 bytes,
                 recipe,
                 is_new: false,
-                time: Duration::ZERO,
+                phases: Phases::default(),
             });
         }
         self.observer.starts(Stage::Mesh);
-        let start = Instant::now();
-        let extract = mesh_geometry(self.plan, self.options)?;
+        let _span = self.options.trace.span(Kind::Stage, Stage::Mesh.name());
+        let mut phases = self.phases();
+        let extract = phases.measure("gmsh", || mesh_geometry(self.plan, self.options))?;
         for warning in &extract.warnings {
             self.observer.warns(&format!("Gmsh: {warning}"));
         }
         let bytes = encode(&extract);
         self.kept.insert(MESH_FILE, stamp::hash(&bytes));
-        let time = start.elapsed();
-        self.phases.add("gmsh", time, 1);
+        self.costs.phases.append(phases.list.clone());
         Ok(Meshed {
             extract,
             bytes,
             recipe,
             is_new: true,
-            time,
+            phases,
         })
     }
 
@@ -296,10 +311,11 @@ impl Run<'_> {
     }
 
     fn discretise(&mut self, mesh: &Meshed) -> Result<(Model, Boundary), RunError> {
-        let start = Instant::now();
-        let (model, boundary) = discretise(self.plan, to_mesh(self.plan, &mesh.extract)?)?;
-        let time = start.elapsed();
-        self.phases.add("discretisation", time, 1);
+        let mut phases = self.phases();
+        let (model, boundary) = phases.measure("discretisation", || {
+            Ok::<_, RunError>(discretise(self.plan, to_mesh(self.plan, &mesh.extract)?)?)
+        })?;
+        self.costs.phases.append(phases.list);
         self.warn_of_areas(&model);
         Ok((model, boundary))
     }
@@ -312,14 +328,23 @@ impl Run<'_> {
         self.lock()?;
         self.begin(Stage::Mesh, &[MESH_FILE.to_owned()])?;
         write_whole(&self.plan.folder.join(MESH_FILE), &mesh.bytes)?;
-        self.finish(Stage::Mesh, mesh.recipe.clone(), &[MESH_FILE.to_owned()])?;
+        let costs = Costs {
+            phases: mesh.phases.clone(),
+            ..Costs::default()
+        };
+        self.finish(
+            Stage::Mesh,
+            mesh.recipe.clone(),
+            &[MESH_FILE.to_owned()],
+            &costs,
+        )?;
         let what = format!(
             "Gmsh {}: {} nodes, {} groups",
             mesh.extract.gmsh_version,
             mesh.extract.nodes.len(),
             mesh.extract.groups.len()
         );
-        self.observer.ends(Stage::Mesh, &what, mesh.time);
+        self.observer.ends(Stage::Mesh, &what, mesh.phases.total());
         Ok(())
     }
 
@@ -331,41 +356,41 @@ impl Run<'_> {
         {
             self.kept.insert(SOLUTION_FILE, stamp::hash(&bytes));
             self.observer.is_fresh(Stage::Solve);
-            return Ok(self.restore(stored));
+            self.restore(Stage::Solve);
+            return Ok(stored.into());
         }
         self.lock()?;
         self.observer.starts(Stage::Solve);
+        let _span = self.options.trace.span(Kind::Stage, Stage::Solve.name());
         let start = Instant::now();
-        let solved = match &self.plan.loading {
-            None => self.solve_once(model, boundary)?,
-            Some(loading) => self.break_apart(loading, model, &recipe)?,
+        let mut costs = Costs {
+            phases: self.phases(),
+            ..Costs::default()
         };
-        let bytes = encode(&StoredSolution::from(&solved));
+        let solved = match &self.plan.loading {
+            None => solve_once(model, boundary, &mut costs.phases)?,
+            Some(loading) => self.break_apart(loading, model, &recipe, &mut costs)?,
+        };
+        costs.peak_memory = peak_memory();
         let mut files = vec![SOLUTION_FILE.to_owned()];
         if let Some(course) = &solved.fracture {
             files.push(HISTORY_FILE.to_owned());
             files.extend(course.frames.iter().map(|&step| frame_file(step)));
         }
         let obsolete = self.begin(Stage::Solve, &files)?;
+        let bytes = encode(&StoredSolution::from(&solved));
         write_whole(&path, &bytes)?;
         self.kept.insert(SOLUTION_FILE, stamp::hash(&bytes));
         for file in &obsolete {
             remove(&self.plan.folder.join(file))?;
         }
-        self.finish(Stage::Solve, recipe, &files)?;
+        costs.phases.complete(start.elapsed());
+        self.finish(Stage::Solve, recipe, &files, &costs)?;
         forget_checkpoint(&self.plan.folder)?;
+        self.costs.append(costs);
         let what = describe(model, &solved);
         self.observer.ends(Stage::Solve, &what, start.elapsed());
         Ok(solved)
-    }
-
-    fn solve_once(&mut self, model: &Model, boundary: &Boundary) -> Result<Solved, RunError> {
-        let solution = statics::solve(model, boundary, &mut self.phases)?;
-        Ok(Solved {
-            solution,
-            intact: model.intact.clone(),
-            fracture: None,
-        })
     }
 
     fn break_apart(
@@ -373,15 +398,29 @@ impl Run<'_> {
         loading: &Loading,
         model: &Model,
         recipe: &Recipe,
+        costs: &mut Costs,
     ) -> Result<Solved, RunError> {
+        let folder = &self.plan.folder;
         if self.options.force {
-            forget_checkpoint(&self.plan.folder)?;
+            forget_checkpoint(folder)?;
         }
         // From here on the stage is unfinished; `clean` knows what it writes along the way. The picture
         // is not among its results, and goes when they are whole.
         let along_the_way = [HISTORY_FILE, DAMAGE_PICTURE].map(str::to_owned);
         self.begin(Stage::Solve, &along_the_way)?;
+        // A killed run may have left one, which no later output stage would come upon.
+        remove_folder(&folder.join(DRAFT_FOLDER))?;
+        let drafts_along = self.options.until == Stage::Output && rayon::current_num_threads() > 1;
+        let draft = drafts_along.then(|| draft(folder)).transpose()?;
         let recipe = serde_json::to_string(recipe).expect("a recipe is plain data");
+        let task = Task {
+            plan: self.plan,
+            loading,
+            model,
+            recipe: &recipe,
+            resolution: self.options.resolution,
+            draft: draft.as_ref().map(|draft| draft.path().to_owned()),
+        };
         let Fractured {
             history,
             frames,
@@ -390,15 +429,18 @@ impl Run<'_> {
             reason,
             solution,
             intact,
-        } = fracture::run(
-            self.plan,
-            loading,
-            model,
-            &recipe,
-            self.options.resolution,
-            self.observer,
-            &mut self.phases,
-        )?;
+            written,
+            drafts,
+        } = fracture::run(&task, self.observer, &mut costs.phases)?;
+        let Written {
+            frames: files,
+            phases,
+        } = written;
+        costs.behind = phases;
+        costs.frames = account(&files, "");
+        let Drafts { made, phases } = drafts;
+        self.costs.behind.append(phases.list);
+        self.draft = draft.map(|folder| (folder, made));
         Ok(Solved {
             solution,
             intact,
@@ -412,16 +454,15 @@ impl Run<'_> {
         })
     }
 
-    /// The stored solution; the phases get the times that it took when it was computed.
-    fn restore(&mut self, stored: StoredSolution) -> Solved {
-        let manifest = stamp::read(&self.plan.folder, Stage::Solve);
-        for (name, seconds, count) in manifest.into_iter().flat_map(|manifest| manifest.seconds) {
-            if let Some(name) = Phases::STATICS.into_iter().find(|known| **known == name) {
-                let time = Duration::try_from_secs_f64(seconds).unwrap_or_default();
-                self.phases.add(name, time, count);
-            }
+    /// What a stage took when it was done.
+    fn restore(&mut self, stage: Stage) {
+        if let Some(manifest) = stamp::read(&self.plan.folder, stage) {
+            self.costs.append(manifest.costs.into());
         }
-        stored.into()
+    }
+
+    fn phases(&self) -> Phases {
+        Phases::traced(self.options.trace.clone())
     }
 
     fn output(&mut self, outcome: &Outcome) -> Result<Value, RunError> {
@@ -433,15 +474,30 @@ impl Run<'_> {
             return Ok(summary);
         }
         self.observer.starts(Stage::Output);
+        let _span = self.options.trace.span(Kind::Stage, Stage::Output.name());
         let start = Instant::now();
         self.lock()?;
         let folder = &self.plan.folder;
         // A draft in the folder and a manifest that calls all finished must not meet.
         self.begin(Stage::Output, &[])?;
-        let draft = draft(folder)?;
-        let mut files = outcome.write(draft.path(), &mut self.phases)?;
+        let (draft, drafted) = match self.draft.take() {
+            Some(drafts) => drafts,
+            None => (draft(folder)?, Vec::new()),
+        };
+        let mut costs = Costs {
+            phases: self.phases(),
+            ..Costs::default()
+        };
+        costs.drafted = drafted.len();
+        let made = outcome.write(draft.path(), drafted, &mut costs.phases)?;
+        costs.phases.complete(start.elapsed());
+        costs.peak_memory = peak_memory();
+        costs.made = made;
+        self.costs.append(costs);
+        let made = self.costs.made.iter();
+        let mut files: Vec<String> = made.map(|made| made.name.clone()).collect();
         files.push(SUMMARY_FILE.to_owned());
-        let summary = outcome.summary(&files, &self.phases, peak_memory());
+        let summary = outcome.summary(&files, &self.costs);
         let text = serde_json::to_string_pretty(&summary).expect("a summary is plain data") + "\n";
         write_whole(&draft.path().join(SUMMARY_FILE), text.as_bytes())?;
         let obsolete = self.begin(Stage::Output, &files)?;
@@ -452,7 +508,7 @@ impl Run<'_> {
         for file in &obsolete {
             remove(&folder.join(file))?;
         }
-        self.finish(Stage::Output, recipe, &files)?;
+        self.finish(Stage::Output, recipe, &files, &Costs::default())?;
         if let Some(missing) = outcome.missing_pictures() {
             self.observer.warns(&missing);
         }
@@ -507,33 +563,43 @@ impl Run<'_> {
             &Manifest {
                 recipe: None,
                 outputs,
-                seconds: Vec::new(),
+                costs: StoredCosts::default(),
             },
         )?;
         Ok(obsolete)
     }
 
-    fn finish(&self, stage: Stage, recipe: Recipe, files: &[String]) -> Result<(), RunError> {
+    fn finish(
+        &self,
+        stage: Stage,
+        recipe: Recipe,
+        files: &[String],
+        costs: &Costs,
+    ) -> Result<(), RunError> {
         let folder = &self.plan.folder;
         let mut outputs = BTreeMap::new();
         for name in files {
             outputs.insert(name.clone(), hash_of(&folder.join(name))?);
         }
-        let seconds = |phase: &Phase| {
-            let Phase { name, time, count } = phase;
-            ((*name).to_owned(), time.as_secs_f64(), *count)
-        };
-        let seconds = self.phases.list.iter().map(seconds).collect();
         Ok(stamp::write(
             folder,
             stage,
             &Manifest {
                 recipe: Some(recipe),
                 outputs,
-                seconds,
+                costs: costs.into(),
             },
         )?)
     }
+}
+
+fn solve_once(model: &Model, boundary: &Boundary, phases: &mut Phases) -> Result<Solved, RunError> {
+    let solution = statics::solve(model, boundary, phases)?;
+    Ok(Solved {
+        solution,
+        intact: model.intact.clone(),
+        fracture: None,
+    })
 }
 
 /// A lattice whose areas are off by more than this is worth a word: the paper's full cells on grid

@@ -1,5 +1,6 @@
 //! What the solve stage delivers, and the form in which it is kept.
 
+use super::bits;
 use super::history::Line;
 use crate::fracture::control::Ending;
 use crate::statics::{Solution, SystemSize};
@@ -34,6 +35,7 @@ pub(super) struct StoredSolution {
     reaction: Vec<[f64; 2]>,
     residual: f64,
     size: [usize; 3],
+    #[serde(with = "bits")]
     intact: Vec<bool>,
     fracture: Option<StoredFracture>,
 }

@@ -2,6 +2,7 @@
 //! hashes of its inputs and of its outputs. Fresh means that all of it is the same now; times of
 //! modification play no part.
 
+use super::costs::StoredCosts;
 use crate::output::{WriteError, write_whole};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -26,7 +27,7 @@ impl Stage {
     fn version(self) -> u32 {
         match self {
             Stage::Mesh => 1,
-            Stage::Solve => 4,
+            Stage::Solve => 5,
             Stage::Output => 2,
         }
     }
@@ -131,10 +132,9 @@ pub struct Manifest {
     pub recipe: Option<Recipe>,
     /// File in the results folder → hash of its content.
     pub outputs: BTreeMap<String, String>,
-    /// What the phases so far took [s], and how often they ran. Here, and not in the outputs, so that equal work gives equal
-    /// bytes.
+    /// What the stage took. Here, and not in the outputs, so that equal work gives equal bytes.
     #[serde(default)]
-    pub seconds: Vec<(String, f64, usize)>,
+    pub costs: StoredCosts,
 }
 
 /// Why a stage must run; empty where its result is good.

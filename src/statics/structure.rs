@@ -20,8 +20,6 @@ pub(super) enum Structure {
         equations: Vec<Equations>,
         pattern: FullPattern,
         symbolic: lu::Symbolic,
-        /// Of K + Kᵀ: L and U have as many entries each where pivots stay on the diagonal.
-        estimate: cholesky::Symbolic,
     },
 }
 
@@ -36,8 +34,8 @@ impl Structure {
                 phases.measure("pattern", || Pattern::new(nodes, &model.springs, &elements));
             let order = phases.measure("ordering", || order(&pattern.graph))?;
             let symbolic = phases.measure("symbolic", || {
-                cholesky::Symbolic::with_order(pattern.symbolic(), Some(&order))
-            })?;
+                cholesky::Symbolic::with_order(pattern.symbolic(), &order)
+            });
             return Ok(Structure::Symmetric {
                 elements,
                 pattern,
@@ -50,17 +48,13 @@ impl Structure {
             FullPattern::new(nodes, first_point, &model.springs, &equations)
         });
         let order = phases.measure("ordering", || order(&pattern.graph))?;
-        let (symbolic, estimate) = phases.measure("symbolic", || {
-            let symbolic = lu::Symbolic::new(pattern.symbolic(), &order)?;
-            let lower = pattern.symmetrised();
-            let estimate = cholesky::Symbolic::with_order(lower.as_ref(), Some(&order))?;
-            Ok::<_, SolverError>((symbolic, estimate))
-        })?;
+        let symbolic = phases.measure("symbolic", || {
+            lu::Symbolic::new(pattern.symbolic(), pattern.symmetrised().as_ref(), &order)
+        });
         Ok(Structure::Full {
             equations,
             pattern,
             symbolic,
-            estimate,
         })
     }
 
@@ -99,11 +93,11 @@ impl Structure {
         }
     }
 
-    /// Stored entries of L, or of L and U as long as no pivot leaves the diagonal.
+    /// Stored entries of L, or of L and U as long as pivots stay within their supernodes.
     pub(super) fn factor_entries(&self) -> usize {
         match self {
             Structure::Symmetric { symbolic, .. } => symbolic.factor_entries(),
-            Structure::Full { estimate, .. } => 2 * estimate.factor_entries(),
+            Structure::Full { symbolic, .. } => symbolic.factor_entries(),
         }
     }
 
@@ -111,7 +105,7 @@ impl Structure {
     pub(super) fn flops(&self) -> f64 {
         match self {
             Structure::Symmetric { symbolic, .. } => symbolic.flops(),
-            Structure::Full { estimate, .. } => 2.0 * estimate.flops(),
+            Structure::Full { symbolic, .. } => symbolic.flops(),
         }
     }
 
@@ -125,10 +119,8 @@ impl Structure {
 }
 
 fn order(graph: &Lists) -> Result<Vec<u32>, SolverError> {
-    let order = elimination_order(Ordering::Metis, graph);
-    let order = order.map_err(|status| SolverError::Ordering {
+    elimination_order(Ordering::Metis, graph).map_err(|status| SolverError::Ordering {
         nodes: graph.len(),
         status,
-    })?;
-    Ok(order.expect("METIS gives an order"))
+    })
 }

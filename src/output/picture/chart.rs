@@ -73,27 +73,28 @@ impl Chart {
         let mut frame = self.frame()?;
         let rows = in_rows(self.keys(frame.plot_width()), frame.page[0] - frame.plot[0]);
         frame.extend_below(rows.len() as i32 * legend::ROW);
-        let mut plot = frame.raster();
-        draw_grid(&frame, &mut plot);
         let paths: Vec<Vec<[f64; 2]>> = self.curves.iter().map(|c| path(c, &frame)).collect();
         let labels = self.labels(&frame, &paths);
-        for label in &labels {
-            label.clear(&mut plot);
-        }
-        for label in &labels {
-            label.lead(&mut plot);
-        }
-        for (path, colour) in paths.iter().zip(colours()) {
-            plot.trace(path, CURVE_WIDTH, colour);
-            if let [point] = path[..] {
-                plot.fill_disc(point, MARK_RADIUS, colour);
+        let plot = frame.paint(|plot| {
+            draw_grid(&frame, plot);
+            for label in &labels {
+                label.clear(plot);
             }
-        }
-        for (mark, colour) in self.marks() {
-            let at = frame.to_plot(mark.at);
-            plot.fill_disc(at, MARK_RADIUS + MARK_RIM, WHITE);
-            plot.fill_disc(at, MARK_RADIUS, colour);
-        }
+            for label in &labels {
+                label.lead(plot);
+            }
+            for (path, colour) in paths.iter().zip(colours()) {
+                plot.trace(path, CURVE_WIDTH, colour);
+                if let [point] = path[..] {
+                    plot.fill_disc(point, MARK_RADIUS, colour);
+                }
+            }
+            for (mark, colour) in self.marks() {
+                let at = frame.to_plot(mark.at);
+                plot.fill_disc(at, MARK_RADIUS + MARK_RIM, WHITE);
+                plot.fill_disc(at, MARK_RADIUS, colour);
+            }
+        });
         Picture::compose(frame.clone(), &plot, |page| {
             let title = shortened(&self.title, frame.plot_width(), title_width);
             page.draw_title(&frame, &title)?;

@@ -75,8 +75,7 @@ impl FieldPicture {
             across: title_width(&self.title).max(text_width(&note_text) + bar.head_width(self)),
         };
         let frame = Frame::around(bounds, room);
-        let mut plot = frame.raster();
-        self.fill(&frame, &bar.scale, &mut plot);
+        let plot = frame.paint(|plot| self.fill(&frame, &bar.scale, plot));
         Picture::compose(frame.clone(), &plot, |page| {
             page.draw_title(&frame, &self.title)?;
             let note = [frame.plot[0], GAP + TITLE_SIZE + GAP + TEXT_SIZE / 2];

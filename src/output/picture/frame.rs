@@ -1,7 +1,7 @@
 //! The frame around a picture's content: where the body lies on the page, its axes, texts.
 
 use super::PictureError;
-use super::raster::Raster;
+use super::raster::{Raster, paint};
 use super::text::Writing;
 use super::ticks::{Ticks, Unit};
 use crate::output::colour::{INK, Rgb, WHITE};
@@ -190,9 +190,12 @@ impl Frame {
         self.plot[3] - self.plot[1]
     }
 
-    /// Canvas for the plot's inside.
-    pub fn raster(&self) -> Raster {
-        Raster::new(self.plot_width() as usize, self.plot_height() as usize)
+    /// The pixels of the plot's inside.
+    pub fn paint(&self, draw: impl Fn(&mut Raster) + Sync) -> Vec<Rgb> {
+        paint(
+            [self.plot_width(), self.plot_height()].map(|p| p as usize),
+            draw,
+        )
     }
 
     /// Ticks along x (0) or y (1), in the axis's unit.
@@ -222,12 +225,11 @@ pub(super) struct Page<'a> {
 
 impl<'a> Page<'a> {
     /// `rgb`: room for the page's pixels, row by row.
-    pub fn new(frame: &Frame, plot: &Raster, rgb: &'a mut [u8]) -> Page<'a> {
+    pub fn new(frame: &Frame, plot: &[Rgb], rgb: &'a mut [u8]) -> Page<'a> {
         rgb.fill(WHITE[0]);
         let [page_width, left, top] =
             [frame.page[0], frame.plot[0], frame.plot[1]].map(|p| p as usize);
-        let rows = plot.pixels();
-        for (row, pixels) in rows.chunks_exact(frame.plot_width() as usize).enumerate() {
+        for (row, pixels) in plot.chunks_exact(frame.plot_width() as usize).enumerate() {
             let start = 3 * ((top + row) * page_width + left);
             rgb[start..start + 3 * pixels.len()].copy_from_slice(pixels.as_flattened());
         }

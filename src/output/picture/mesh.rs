@@ -81,17 +81,15 @@ impl MeshPicture {
         let mut frame = Frame::around(bounds, room);
         let rows = in_rows(keys, frame.page[0] - frame.plot[0]);
         frame.extend_below(rows.len() as i32 * legend::ROW);
-        let mut plot = frame.raster();
-        self.draw_cells(&frame, &mut plot);
-        self.draw_points(&frame, &mut plot);
-        stroke_all(
-            &self.interfaces,
-            INTERFACE_WIDTH,
-            INTERFACE,
-            &frame,
-            &mut plot,
-        );
-        stroke_all(&self.cracks, CRACK_WIDTH, INK, &frame, &mut plot);
+        let sides = self.sides(&frame);
+        let width = edge_width(&sides);
+        let plot = frame.paint(|plot| {
+            self.draw_cells(&sides, width, plot);
+            self.draw_points(&frame, plot);
+            let interfaces = &self.interfaces;
+            stroke_all(interfaces, INTERFACE_WIDTH, INTERFACE, &frame, plot);
+            stroke_all(&self.cracks, CRACK_WIDTH, INK, &frame, plot);
+        });
         Picture::compose(frame.clone(), &plot, |page| {
             page.draw_title(&frame, &self.title)?;
             legend::draw(page, &frame, &rows)
@@ -140,18 +138,22 @@ impl MeshPicture {
         self.regions.iter().filter_map(next).collect()
     }
 
-    fn draw_cells(&self, frame: &Frame, plot: &mut Raster) {
+    /// The cells' closed outlines in the plot.
+    fn sides(&self, frame: &Frame) -> Vec<Vec<[f64; 2]>> {
+        let side = |cell: &Patch| {
+            let corners = cell.outline.iter().chain(cell.outline.first());
+            corners.map(|&x| frame.to_plot(x)).collect()
+        };
+        self.cells.iter().map(side).collect()
+    }
+
+    fn draw_cells(&self, sides: &[Vec<[f64; 2]>], width: f64, plot: &mut Raster) {
         let colours = self.colours();
-        let mut sides: Vec<Vec<[f64; 2]>> = Vec::with_capacity(self.cells.len());
-        for cell in &self.cells {
-            let mut side: Vec<[f64; 2]> = cell.outline.iter().map(|&x| frame.to_plot(x)).collect();
-            plot.fill(&side, colours[cell.region]);
-            side.extend(side.first().copied());
-            sides.push(side);
+        for (cell, side) in self.cells.iter().zip(sides) {
+            plot.fill(&side[..cell.outline.len()], colours[cell.region]);
         }
-        let width = edge_width(&sides);
         for side in sides {
-            plot.stroke(&side, width, CELL_EDGE);
+            plot.stroke(side, width, CELL_EDGE);
         }
     }
 

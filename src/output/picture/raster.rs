@@ -3,9 +3,14 @@
 //! Each pixel has 3 × 3 samples, and a sample belongs to the polygon that holds its centre. So
 //! neighbouring polygons leave no seam, as smoothing each polygon by itself would, and outlines
 //! come out smooth when the samples of a pixel are averaged.
+//!
+//! A picture is painted in bands of rows, each from the whole of what is to be drawn: the samples of a
+//! band fit the cache, those of a picture would take fifty megabytes.
 
 use crate::output::colour::{Rgb, WHITE};
+use rayon::prelude::*;
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 /// Samples per pixel and direction.
 const SAMPLES: usize = 3;
@@ -17,26 +22,55 @@ const GRID: f64 = 1.0 / 256.0;
 /// Corners of the polygon that is drawn for a circle.
 const DISC_CORNERS: usize = 32;
 
-/// A picture under construction. Positions are in pixels, y downwards.
+/// Rows of pixels that are painted at a time.
+const BAND: usize = 48;
+
+/// The pixels of what `draw` draws on white, row by row; `size` in pixels.
+pub(super) fn paint([width, height]: [usize; 2], draw: impl Fn(&mut Raster) + Sync) -> Vec<Rgb> {
+    let mut pixels = vec![WHITE; width * height];
+    let bands = pixels.par_chunks_mut((BAND * width).max(1)).enumerate();
+    bands.for_each(|(band, pixels)| {
+        let first = BAND * band;
+        let mut raster = Raster::new(width, first..(first + BAND).min(height));
+        draw(&mut raster);
+        raster.average(pixels);
+    });
+    pixels
+}
+
+/// Some rows of a picture under construction; what lies outside of them is cut. Positions are in
+/// pixels of the whole picture, y downwards.
 pub(super) struct Raster {
+    /// [samples]
     width: usize,
-    height: usize,
+    /// [samples]
+    rows: Range<usize>,
     samples: Vec<Rgb>,
 }
 
 impl Raster {
-    /// White; `width` and `height` in pixels.
-    pub fn new(width: usize, height: usize) -> Raster {
-        let (width, height) = (width * SAMPLES, height * SAMPLES);
+    /// White; all in pixels.
+    pub fn new(width: usize, rows: Range<usize>) -> Raster {
+        let (width, rows) = (width * SAMPLES, SAMPLES * rows.start..SAMPLES * rows.end);
         Raster {
             width,
-            height,
-            samples: vec![WHITE; width * height],
+            samples: vec![WHITE; width * rows.len()],
+            rows,
         }
+    }
+
+    /// Whether a shape between these heights [pixels], or one that is shifted by a pixel, leaves no trace.
+    fn misses(&self, heights: impl Iterator<Item = f64> + Clone) -> bool {
+        let sample = SAMPLES as f64;
+        let [above, below] = [self.rows.start, self.rows.end].map(|row| row as f64 / sample);
+        heights.clone().all(|y| y < above - 1.0) || heights.clone().all(|y| y > below + 1.0)
     }
 
     /// Fills a polygon, convex or not, by the even-odd rule.
     pub fn fill(&mut self, corners: &[[f64; 2]], colour: Rgb) {
+        if self.misses(corners.iter().map(|corner| corner[1])) {
+            return;
+        }
         let corners: Vec<[f64; 2]> = corners.iter().copied().map(to_grid).collect();
         self.scan(&corners, |_, _| colour);
     }
@@ -48,6 +82,9 @@ impl Raster {
         values: [f64; 3],
         colour_of: impl Fn(f64) -> Rgb,
     ) {
+        if self.misses(corners.iter().map(|corner| corner[1])) {
+            return;
+        }
         let [a, b, c] = corners.map(to_grid);
         let (ab, ac) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
         let doubled_area = ab[0] * ac[1] - ab[1] * ac[0];
@@ -66,6 +103,9 @@ impl Raster {
     /// a pixel onto the pixels, so that the lines of a grid look alike.
     pub fn stroke(&mut self, path: &[[f64; 2]], width: f64, colour: Rgb) {
         for pair in path.windows(2) {
+            if self.misses(around(pair, width)) {
+                continue;
+            }
             let [[x0, y0], [x1, y1]] = on_pixels([pair[0], pair[1]], width);
             let length = (x1 - x0).hypot(y1 - y0);
             if length == 0.0 {
@@ -92,6 +132,9 @@ impl Raster {
             self.fill_disc(corner, width / 2.0, colour);
         }
         for pair in path.windows(2) {
+            if self.misses(around(pair, width)) {
+                continue;
+            }
             let [[x0, y0], [x1, y1]] = [pair[0], pair[1]];
             let length = (x1 - x0).hypot(y1 - y0);
             if length == 0.0 {
@@ -112,6 +155,9 @@ impl Raster {
 
     /// Fills a circle [pixels].
     pub fn fill_disc(&mut self, centre: [f64; 2], radius: f64, colour: Rgb) {
+        if self.misses([centre[1] - radius, centre[1] + radius].into_iter()) {
+            return;
+        }
         let angle = |corner: usize| corner as f64 / DISC_CORNERS as f64 * TAU;
         let rim = (0..DISC_CORNERS).map(angle).map(|angle| {
             [
@@ -129,38 +175,47 @@ impl Raster {
         let top = rows.clone().fold(f64::INFINITY, f64::min);
         let bottom = rows.fold(f64::NEG_INFINITY, f64::max);
         let mut crossings: Vec<f64> = Vec::with_capacity(8);
-        for row in first_centre(top, self.height)..first_centre(bottom, self.height) {
+        let Range { start, end } = self.rows;
+        let of = |height: f64| first_centre(height, end).max(start);
+        for row in of(top)..of(bottom) {
             let y = row as f64 + 0.5;
             crossings.clear();
             crossings.extend(sides(corners).filter_map(|side| crossing(side, y)));
             crossings.sort_by(f64::total_cmp);
             for span in crossings.chunks_exact(2) {
                 let columns = first_centre(span[0], self.width)..first_centre(span[1], self.width);
+                let line = (row - start) * self.width;
                 for column in columns {
-                    self.samples[row * self.width + column] = colour(column as f64 + 0.5, y);
+                    self.samples[line + column] = colour(column as f64 + 0.5, y);
                 }
             }
         }
     }
 
-    /// The pixels, each the mean of its samples.
-    pub fn pixels(&self) -> Vec<Rgb> {
-        let width = self.width / SAMPLES;
-        let mut pixels = Vec::with_capacity(self.samples.len() / (SAMPLES * SAMPLES));
-        for row in self.samples.chunks_exact(self.width * SAMPLES) {
-            for column in 0..width {
+    /// Each pixel the mean of its samples.
+    fn average(&self, pixels: &mut [Rgb]) {
+        let rows = self.samples.chunks_exact(self.width * SAMPLES);
+        for (row, pixels) in rows.zip(pixels.chunks_exact_mut(self.width / SAMPLES)) {
+            let lines: [&[Rgb]; SAMPLES] =
+                std::array::from_fn(|line| &row[line * self.width..(line + 1) * self.width]);
+            for (column, pixel) in pixels.iter_mut().enumerate() {
                 let mut sum = [0_u32; 3];
-                for line in row.chunks_exact(self.width) {
+                for line in lines {
                     for sample in &line[column * SAMPLES..(column + 1) * SAMPLES] {
                         (0..3).for_each(|k| sum[k] += u32::from(sample[k]));
                     }
                 }
                 let count = (SAMPLES * SAMPLES) as u32;
-                pixels.push(sum.map(|channel| ((channel + count / 2) / count) as u8));
+                *pixel = sum.map(|channel| ((channel + count / 2) / count) as u8);
             }
         }
-        pixels
     }
+}
+
+/// Heights above and below a line of `width`.
+fn around(line: &[[f64; 2]], width: f64) -> impl Iterator<Item = f64> + Clone {
+    let heights = line.iter().map(|corner| corner[1]);
+    heights.flat_map(move |y| [y - width, y + width])
 }
 
 /// A segment along an axis moved to where a line of `width` covers whole pixels.
@@ -206,13 +261,44 @@ mod tests {
 
     const BLACK: Rgb = [0, 0, 0];
 
+    impl Raster {
+        fn pixels(&self) -> Vec<Rgb> {
+            let mut pixels = vec![BLACK; self.samples.len() / (SAMPLES * SAMPLES)];
+            self.average(&mut pixels);
+            pixels
+        }
+    }
+
+    /// Shapes of every kind across the bands' borders, and beside them.
+    #[test]
+    fn bands_give_what_the_whole_gives() {
+        let [width, height] = [70, 4 * BAND + 7];
+        let draw = |raster: &mut Raster| {
+            let y = |k: usize| (k * 37 % (height + 40)) as f64 - 20.3;
+            for k in 0..60 {
+                let shade = [4 * k as u8, 90, 200 - 3 * k as u8];
+                let x = k as f64;
+                raster.fill(&[[x, y(k)], [x + 9.0, y(k) + 3.0], [x, y(k) + 50.0]], shade);
+                let corners = [[x, y(k + 1)], [x + 30.0, y(k + 2)], [x + 5.0, y(k + 3)]];
+                raster.fill_between(corners, [0.0, 100.0, 255.0], |v| [v as u8; 3]);
+                raster.stroke(&[[x, y(k + 4)], [x + 20.0, y(k + 4)]], 1.0, shade);
+                raster.stroke(&[[x, y(k + 5)], [x + 20.0, y(k + 6)]], 5.0, shade);
+                raster.trace(&[[x, y(k + 7)], [x + 3.0, y(k + 8)]], 3.0, BLACK);
+                raster.fill_disc([x, y(k + 9)], 4.0, WHITE);
+            }
+        };
+        let mut whole = Raster::new(width, 0..height);
+        draw(&mut whole);
+        assert!(paint([width, height], draw) == whole.pixels());
+    }
+
     #[test]
     fn coverage_becomes_grey() {
-        let mut raster = Raster::new(3, 1);
+        let mut raster = Raster::new(3, 0..1);
         raster.fill(&[[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]], BLACK);
         assert_eq!(raster.pixels(), [WHITE, BLACK, WHITE]);
 
-        let mut raster = Raster::new(1, 1);
+        let mut raster = Raster::new(1, 0..1);
         let third = 1.0 / 3.0;
         raster.fill(&[[0.0, 0.0], [third, 0.0], [third, 1.0], [0.0, 1.0]], BLACK);
         assert_eq!(raster.pixels(), [[170, 170, 170]]);
@@ -221,7 +307,7 @@ mod tests {
     /// A fan around a point off the grid: the whole square is covered, every sample once.
     #[test]
     fn neighbours_leave_no_seam() {
-        let mut raster = Raster::new(40, 40);
+        let mut raster = Raster::new(40, 0..40);
         let middle = [17.31, 22.77];
         let rim: Vec<[f64; 2]> = (0..=28)
             .map(|k| std::f64::consts::TAU * f64::from(k) / 28.0)
@@ -235,7 +321,7 @@ mod tests {
 
     #[test]
     fn values_are_interpolated() {
-        let mut raster = Raster::new(12, 12);
+        let mut raster = Raster::new(12, 0..12);
         let grey = |value: f64| [value.round() as u8; 3];
         let corners = [[0.0, 0.0], [12.0, 0.0], [0.0, 12.0]];
         raster.fill_between(corners, [0.0, 240.0, 120.0], grey);
@@ -246,7 +332,7 @@ mod tests {
 
     #[test]
     fn what_lies_outside_is_cut() {
-        let mut raster = Raster::new(4, 4);
+        let mut raster = Raster::new(4, 0..4);
         raster.fill(&[[-1e9, -1e9], [1e9, -1e9], [1e9, 2.0], [-1e9, 2.0]], BLACK);
         let pixels = raster.pixels();
         assert!(pixels[..8].iter().all(|&pixel| pixel == BLACK));
@@ -255,7 +341,7 @@ mod tests {
 
     #[test]
     fn a_stroke_has_its_width() {
-        let mut raster = Raster::new(5, 5);
+        let mut raster = Raster::new(5, 0..5);
         raster.stroke(&[[-2.0, 2.5], [7.0, 2.5]], 1.0, BLACK);
         let column: Vec<Rgb> = raster.pixels().into_iter().skip(2).step_by(5).collect();
         assert_eq!(column, [WHITE, WHITE, BLACK, WHITE, WHITE]);
@@ -269,7 +355,7 @@ mod tests {
 
     #[test]
     fn a_disc_has_its_area() {
-        let mut raster = Raster::new(30, 30);
+        let mut raster = Raster::new(30, 0..30);
         raster.fill_disc([15.2, 14.9], 9.0, BLACK);
         let area = std::f64::consts::PI * 81.0;
         assert!((ink(&raster) / area - 1.0).abs() < 0.01);
@@ -284,7 +370,7 @@ mod tests {
                 .map(|piece| f64::from(piece) / f64::from(pieces))
                 .map(|t| [0, 1].map(|k| start[k] + t * (end[k] - start[k])))
                 .collect();
-            let mut raster = Raster::new(100, 100);
+            let mut raster = Raster::new(100, 0..100);
             raster.trace(&path, 3.0, BLACK);
             let length = (end[0] - start[0]).hypot(end[1] - start[1]);
             let area = 3.0 * length + std::f64::consts::PI * 1.5 * 1.5;

@@ -1,0 +1,262 @@
+//! `peristitch watch`: a run whenever a file of a pipeline is saved.
+//!
+//! Each run is a process of its own, `peristitch run --brief`. A save while it goes kills it and starts
+//! another: what a killed run leaves is the old result or an unfinished stage, never a half. The files are
+//! looked at many times a second instead of asking the system to tell: that works in the same way for
+//! editors that write in place, that write a new file and rename it, and that keep their files on
+//! another machine; a dozen files cost nothing.
+
+use crate::pipeline::sources::sources;
+use crate::pipeline::stamp::hash_file;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsString;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::Receiver;
+use std::time::{Duration, Instant, SystemTime};
+
+/// How often the files are looked at. A save has ended when one look finds nothing new.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// What to watch, and how to run it.
+pub(super) struct Watch {
+    pub pipelines: Vec<PathBuf>,
+    /// Of `--set`.
+    pub overrides: Vec<String>,
+    /// Further arguments of `run`.
+    pub arguments: Vec<OsString>,
+}
+
+/// Runs every pipeline once, and again after each save, until `interrupts` tells of one. `may_run` is
+/// asked before each run, and says what is wrong if it may not.
+///
+/// # Errors
+/// The program cannot be started another time.
+pub(super) fn watch(
+    watch: &Watch,
+    interrupts: &Receiver<()>,
+    may_run: impl Fn() -> bool,
+) -> io::Result<()> {
+    let program = std::env::current_exe()?;
+    let pipelines = watch.pipelines.iter();
+    let mut all: Vec<Watched> = pipelines.map(|path| Watched::new(path, watch)).collect();
+    let mut running: Option<Running> = None;
+    loop {
+        // The first look finds what has changed since the pipelines were read: nothing.
+        all.iter_mut().for_each(Watched::look);
+        if interrupts.recv_timeout(LOOK_EVERY).is_ok() {
+            return running.map_or(Ok(()), Running::end);
+        }
+        running = match running {
+            Some(run) => run.go_on(&all)?,
+            None => None,
+        };
+        if running.is_none()
+            && let Some(index) = all.iter().position(Watched::is_due)
+        {
+            let saved = all[index].begin(watch);
+            println!("\n{}: {}", all[index].pipeline.display(), saved.describe());
+            if may_run() {
+                let child = command(&program, &all[index].pipeline, watch).spawn()?;
+                let since = saved.since;
+                running = Some(Running {
+                    index,
+                    child,
+                    since,
+                });
+            }
+        }
+    }
+}
+
+fn command(program: &Path, pipeline: &Path, watch: &Watch) -> Command {
+    let mut command = Command::new(program);
+    command.arg("run").arg(pipeline).arg("--brief");
+    command.args(&watch.arguments).stdin(Stdio::null());
+    command
+}
+
+/// A run that goes on.
+struct Running {
+    index: usize,
+    child: Child,
+    /// When the save was noticed.
+    since: Instant,
+}
+
+impl Running {
+    /// The run, if it still goes on.
+    fn go_on(mut self, all: &[Watched]) -> io::Result<Option<Running>> {
+        if all[self.index].saved.is_some() {
+            self.end()?;
+            println!("  stopped: a newer save");
+            return Ok(None);
+        }
+        let Some(status) = self.child.try_wait()? else {
+            return Ok(Some(self));
+        };
+        match ending(status) {
+            None => println!(
+                "  {:.2} s after the save",
+                self.since.elapsed().as_secs_f64()
+            ),
+            Some(why) => println!("  {why}; the next save runs it again"),
+        }
+        Ok(None)
+    }
+
+    fn end(mut self) -> io::Result<()> {
+        // An error here means that it has ended by itself.
+        let _ = self.child.kill();
+        self.child.wait().map(|_| ())
+    }
+}
+
+/// Why there is no result.
+fn ending(status: ExitStatus) -> Option<String> {
+    match status.code() {
+        Some(0) => None,
+        Some(2) => Some("the input is wrong".to_owned()),
+        Some(_) => Some("the computation failed".to_owned()),
+        None => Some(format!("the run was ended from outside ({status})")),
+    }
+}
+
+/// A pipeline and its files.
+struct Watched {
+    pipeline: PathBuf,
+    files: BTreeMap<PathBuf, Seen>,
+    /// What has been saved and not yet run.
+    saved: Option<Saved>,
+    /// Whether the last look found nothing new.
+    is_quiet: bool,
+}
+
+struct Saved {
+    since: Instant,
+    /// None: the first run.
+    files: BTreeSet<PathBuf>,
+}
+
+impl Saved {
+    fn describe(&self) -> String {
+        if self.files.is_empty() {
+            return "the first run".to_owned();
+        }
+        let names: Vec<String> = self.files.iter().map(|f| f.display().to_string()).collect();
+        format!("{} saved", names.join(", "))
+    }
+}
+
+impl Watched {
+    fn new(pipeline: &Path, watch: &Watch) -> Watched {
+        let mut watched = Watched {
+            pipeline: pipeline.to_owned(),
+            files: BTreeMap::new(),
+            saved: Some(Saved {
+                since: Instant::now(),
+                files: BTreeSet::new(),
+            }),
+            is_quiet: true,
+        };
+        watched.find_sources(watch);
+        watched
+    }
+
+    /// Files that are no longer named stay: a pipeline that is broken for a moment names none.
+    fn find_sources(&mut self, watch: &Watch) {
+        for file in sources(&self.pipeline, &watch.overrides) {
+            let seen = Seen::now(&file);
+            self.files.entry(file).or_insert(seen);
+        }
+    }
+
+    fn look(&mut self) {
+        let mut changed = BTreeSet::new();
+        for (file, seen) in &mut self.files {
+            if seen.changes(file) {
+                changed.insert(file.clone());
+            }
+        }
+        self.is_quiet = changed.is_empty();
+        if !changed.is_empty() {
+            let saved = self.saved.get_or_insert_with(|| Saved {
+                since: Instant::now(),
+                files: BTreeSet::new(),
+            });
+            saved.files.extend(changed);
+        }
+    }
+
+    fn is_due(&self) -> bool {
+        self.saved.is_some() && self.is_quiet
+    }
+
+    /// What the run that begins is for. From here on a change is a new save.
+    fn begin(&mut self, watch: &Watch) -> Saved {
+        self.find_sources(watch);
+        self.saved.take().expect("a run begins when one is due")
+    }
+}
+
+/// A file as it was when last looked at. Its content counts; its time and size tell when to read it.
+#[derive(Clone, Debug, PartialEq)]
+struct Seen {
+    times: Option<(SystemTime, u64)>,
+    hash: Option<String>,
+}
+
+impl Seen {
+    fn now(file: &Path) -> Seen {
+        Seen {
+            times: times(file),
+            hash: hash_file(file),
+        }
+    }
+
+    /// Whether the content is another one now.
+    fn changes(&mut self, file: &Path) -> bool {
+        if times(file) == self.times {
+            return false;
+        }
+        let now = Seen::now(file);
+        let changes = now.hash != self.hash;
+        *self = now;
+        changes
+    }
+}
+
+fn times(file: &Path) -> Option<(SystemTime, u64)> {
+    let metadata = std::fs::metadata(file).ok()?;
+    Some((metadata.modified().ok()?, metadata.len()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn a_save_is_a_new_content_however_it_is_written() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let [file, other] = ["a.geo", "a.geo~"].map(|name| folder.path().join(name));
+        fs::write(&file, "x = 1;").expect("writable");
+        let mut seen = Seen::now(&file);
+        assert!(!seen.changes(&file));
+        fs::write(&file, "x = 22;").expect("writable");
+        assert!(seen.changes(&file) && !seen.changes(&file));
+        // By a rename, as many editors do.
+        fs::write(&other, "x = 333;").expect("writable");
+        fs::rename(&other, &file).expect("the same folder");
+        assert!(seen.changes(&file));
+        // The same content saved again.
+        let later = SystemTime::now() + Duration::from_secs(5);
+        let open = fs::File::options().append(true).open(&file);
+        open.and_then(|file| file.set_modified(later))
+            .expect("writable");
+        assert!(!seen.changes(&file));
+        fs::remove_file(&file).expect("there");
+        assert!(seen.changes(&file) && !seen.changes(&file));
+    }
+}

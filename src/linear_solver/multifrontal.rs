@@ -1,0 +1,381 @@
+//! Numeric factorisation, multifrontal (Duff & Reid 1983; Liu 1992).
+//!
+//! A supernode's front is K on its columns and rows, plus what its children pass up:
+//!
+//! ```text
+//! F = [A11 A12]   factors of A11 and of its rows and columns; passed up: U = A22 − A21 A11⁻¹ A12
+//!     [A21 A22]
+//! ```
+//!
+//! Subtrees of the elimination tree do not need each other: those with work enough are shared out to
+//! the threads, and large blocks near the root are cut. Both follow from the structure alone, and children
+//! are added in their order: the bits do not depend on the number of threads.
+
+use super::kernels::Added;
+use super::supernodes::Supernodes;
+use faer::Par;
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+
+/// Subtrees with less than this share of all work, or less work than this, stay with one thread.
+const SHARE: f64 = 1.0 / 64.0;
+const LEAST_WORK: f64 = 1e7;
+
+/// Blocks with more multiplications and additions are cut for the threads, into this many parts
+/// whatever the number of threads: the cuts decide the order of sums, and so the bits.
+const LARGE: f64 = 2e8;
+const PARTS: usize = 8;
+
+/// The column of a pivot that is not positive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotPositive(pub usize);
+
+/// One kind of factorisation, front by front.
+pub trait Front: Sync {
+    /// Where a supernode's numbers begin among all; of the number of supernodes, how many there are.
+    fn start(&self, s: usize) -> usize;
+
+    /// Memory to work in, for so many columns.
+    fn scratch(&self, columns: usize) -> StackReq;
+
+    /// Fills a supernode's numbers and what it passes up, a square matrix column by column.
+    ///
+    /// # Errors
+    /// [`NotPositive`].
+    fn eliminate(
+        &self,
+        s: usize,
+        own: &mut [f64],
+        children: &[Child],
+        update: &mut [f64],
+        memory: &mut MemStack,
+    ) -> Result<(), NotPositive>;
+}
+
+/// What a child passes up.
+pub struct Child<'a> {
+    pub runs: Runs,
+    pub update: &'a [f64],
+}
+
+/// Fills the numbers of all supernodes.
+///
+/// # Errors
+/// [`NotPositive`].
+pub fn factorise(
+    structure: &Supernodes,
+    front: &impl Front,
+    values: &mut [f64],
+    pool: &Pool,
+) -> Result<(), NotPositive> {
+    let roots = structure.roots();
+    let numeric = Numeric {
+        structure,
+        front,
+        least: LEAST_WORK.max(SHARE * structure.total_flops()),
+        pool,
+    };
+    numeric.subtrees(&roots, values).map(|_| ())
+}
+
+/// How many threads a supernode is for.
+pub fn parallelism(structure: &Supernodes, s: usize) -> Par {
+    if structure.flops(s) > LARGE {
+        Par::rayon(PARTS)
+    } else {
+        Par::Seq
+    }
+}
+
+struct Numeric<'a, F> {
+    structure: &'a Supernodes,
+    front: &'a F,
+    /// Work of the smallest subtree that is looked into for more tasks.
+    least: f64,
+    pool: &'a Pool,
+}
+
+/// What a supernode passes up.
+struct Update {
+    supernode: usize,
+    values: Vec<f64>,
+}
+
+/// Memory of updates that are no longer needed, for others: fresh pages cost as much as the sums in them.
+#[derive(Debug, Default)]
+pub struct Pool(Mutex<Vec<Vec<f64>>>);
+
+impl Pool {
+    /// So many numbers, whichever they are.
+    fn take(&self, length: usize) -> Vec<f64> {
+        let mut free = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let fitting = free.iter().position(|vector| vector.capacity() >= length);
+        let found = fitting.map(|k| free.remove(k));
+        drop(free);
+        let mut vector = found.unwrap_or_default();
+        if vector.capacity() < length {
+            return vec![0.0; length];
+        }
+        vector.resize(length, 0.0);
+        vector
+    }
+
+    fn give(&self, vector: Vec<f64>) {
+        let mut free = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let at = free.partition_point(|other| other.capacity() < vector.capacity());
+        free.insert(at, vector);
+    }
+}
+
+impl<F: Front> Numeric<'_, F> {
+    /// Neighbouring subtrees, whose entries of L are `values`.
+    fn subtrees(&self, roots: &[usize], values: &mut [f64]) -> Result<Vec<Update>, NotPositive> {
+        let tasks = self.split(roots, values);
+        let done: Vec<Result<Update, NotPositive>> = (tasks.into_par_iter())
+            .map(|(root, values)| self.subtree(root, values))
+            .collect();
+        // The first failure in the order of elimination, on any number of threads.
+        done.into_iter().collect()
+    }
+
+    fn split<'v>(&self, roots: &[usize], mut values: &'v mut [f64]) -> Vec<(usize, &'v mut [f64])> {
+        let share = |&root: &usize| {
+            let subtree = self.structure.subtree(root);
+            let entries = self.front.start(root + 1) - self.front.start(subtree.start);
+            let (own, rest) = std::mem::take(&mut values).split_at_mut(entries);
+            values = rest;
+            (root, own)
+        };
+        roots.iter().map(share).collect()
+    }
+
+    fn subtree(&self, root: usize, values: &mut [f64]) -> Result<Update, NotPositive> {
+        if self.structure.subtree_flops(root) < self.least {
+            return self.sequential(root, values);
+        }
+        // Down to where the tree forks, so that calls do not nest as deep as the tree.
+        let mut chain: Vec<(usize, &mut [f64], Vec<Update>, Vec<Update>)> = Vec::new();
+        let (mut top, mut values) = (root, values);
+        loop {
+            let children = self.structure.children(top);
+            let below = values.len() - self.numbers(top);
+            let (subtrees, block) = values.split_at_mut(below);
+            let large = |&c: &usize| self.structure.subtree_flops(c) >= self.least;
+            if children.iter().filter(|c| large(c)).count() != 1 {
+                let updates = self.subtrees(&children, subtrees)?;
+                let mut update = self.front(top, block, updates)?;
+                while let Some((s, block, mut updates, after)) = chain.pop() {
+                    updates.push(update);
+                    updates.extend(after);
+                    update = self.front(s, block, updates)?;
+                }
+                return Ok(update);
+            }
+            let at = children
+                .iter()
+                .position(|c| large(c))
+                .expect("there is one");
+            let mut parts = self.split(&children, subtrees);
+            let after = parts.split_off(at + 1);
+            let (next, part) = parts.pop().expect("there is one");
+            let side = |parts: Vec<(usize, &mut [f64])>| -> Result<Vec<Update>, NotPositive> {
+                let side: Vec<_> = (parts.into_par_iter())
+                    .map(|(root, values)| self.sequential(root, values))
+                    .collect();
+                side.into_iter().collect()
+            };
+            chain.push((top, block, side(parts)?, side(after)?));
+            (top, values) = (next, part);
+        }
+    }
+
+    /// How many numbers a supernode has.
+    fn numbers(&self, s: usize) -> usize {
+        self.front.start(s + 1) - self.front.start(s)
+    }
+
+    fn child<'u>(&self, child: usize, parent: usize, update: &'u [f64]) -> Child<'u> {
+        Child {
+            runs: Runs::new(self.structure.places(child), self.structure.width(parent)),
+            update,
+        }
+    }
+
+    fn front(
+        &self,
+        s: usize,
+        block: &mut [f64],
+        children: Vec<Update>,
+    ) -> Result<Update, NotPositive> {
+        let rows = self.structure.rows(s).len();
+        let mut update = self.pool.take(rows * rows);
+        let updates: Vec<Child> = (children.iter())
+            .map(|child| self.child(child.supernode, s, &child.values))
+            .collect();
+        let mut memory = MemBuffer::new(self.front.scratch(self.structure.width(s)));
+        let memory = MemStack::new(&mut memory);
+        (self.front).eliminate(s, block, &updates, &mut update, memory)?;
+        children
+            .into_iter()
+            .for_each(|child| self.pool.give(child.values));
+        Ok(Update {
+            supernode: s,
+            values: update,
+        })
+    }
+
+    /// A subtree, supernode after supernode.
+    fn sequential(&self, root: usize, values: &mut [f64]) -> Result<Update, NotPositive> {
+        let structure = self.structure;
+        let subtree = structure.subtree(root);
+        let first = subtree.start;
+        let widest = subtree.clone().map(|s| structure.width(s)).max();
+        let mut memory = MemBuffer::new(self.front.scratch(widest.unwrap_or(0)));
+        let Stacks { level, size } = Stacks::of(structure, subtree.clone());
+        // Of supernodes an even, and an odd number of levels below the root: one is read, one is written.
+        let mut stacks = size.map(|size| self.pool.take(size));
+        let mut top = [0, 0];
+        let mut rest = values;
+        for s in subtree {
+            let (block, after) = std::mem::take(&mut rest).split_at_mut(self.numbers(s));
+            rest = after;
+            let rows = structure.rows(s).len();
+            let own = level[s - first] % 2;
+            let [even, odd] = &mut stacks;
+            let (write, read) = if own == 0 { (even, odd) } else { (odd, even) };
+            let mut end = top[1 - own];
+            let mut children: Vec<Child> = Vec::new();
+            for child in structure.children_from_last(s) {
+                let begin = end - structure.rows(child).len().pow(2);
+                children.push(self.child(child, s, &read[begin..end]));
+                end = begin;
+            }
+            let update = &mut write[top[own]..][..rows * rows];
+            let memory = MemStack::new(&mut memory);
+            (self.front).eliminate(s, block, &children, update, memory)?;
+            top[own] += rows * rows;
+            top[1 - own] = end;
+        }
+        let [mut update, odd] = stacks;
+        self.pool.give(odd);
+        update.truncate(top[0]);
+        Ok(Update {
+            supernode: root,
+            values: update,
+        })
+    }
+}
+
+/// Room for the updates of a subtree.
+struct Stacks {
+    /// By supernode: levels below the root.
+    level: Vec<usize>,
+    /// Numbers that wait at most on even and on odd levels.
+    size: [usize; 2],
+}
+
+impl Stacks {
+    fn of(structure: &Supernodes, subtree: Range<usize>) -> Stacks {
+        let first = subtree.start;
+        let mut level = vec![0; subtree.len()];
+        for s in subtree.clone().rev().skip(1) {
+            let parent = structure.parent(s).expect("only the root has none");
+            level[s - first] = level[parent - first] + 1;
+        }
+        let (mut top, mut size) = ([0, 0], [0, 0]);
+        for s in subtree {
+            let own = level[s - first] % 2;
+            top[own] += structure.rows(s).len().pow(2);
+            size[own] = size[own].max(top[own]);
+            for child in structure.children_from_last(s) {
+                top[1 - own] -= structure.rows(child).len().pow(2);
+            }
+        }
+        Stacks { level, size }
+    }
+}
+
+/// Rows of a child that are next to each other in its parent.
+pub struct Runs {
+    /// Row of the child, row of the parent's front, length; ascending.
+    runs: Vec<[usize; 3]>,
+    rows: usize,
+    /// Columns of the parent.
+    width: usize,
+}
+
+impl Runs {
+    fn new(places: &[u32], width: usize) -> Runs {
+        let mut runs: Vec<[usize; 3]> = Vec::new();
+        for (row, &place) in places.iter().enumerate() {
+            let place = place as usize;
+            match runs.last_mut() {
+                // Columns and rows of the parent go to different places.
+                Some([_, begin, length]) if *begin + *length == place && place != width => {
+                    *length += 1;
+                }
+                _ => runs.push([row, place, 1]),
+            }
+        }
+        Runs {
+            runs,
+            rows: places.len(),
+            width,
+        }
+    }
+
+    /// How many of the child's rows are the parent's columns.
+    pub fn inside(&self) -> usize {
+        let after = self.runs.iter().find(|[_, place, _]| *place >= self.width);
+        after.map_or(self.rows, |&[row, ..]| row)
+    }
+
+    /// Row of the parent's front for each row of the child.
+    pub fn places(&self) -> impl Iterator<Item = usize> + '_ {
+        let places = |&[_, place, length]: &[usize; 3]| place..place + length;
+        self.runs.iter().flat_map(places)
+    }
+
+    /// Adds the part of a lower triangle that falls into the parent's columns.
+    pub fn add_columns(&self, update: &[f64], block: &mut [f64], height: usize) {
+        self.add(update, block, height, 0..self.width, true);
+    }
+
+    /// Adds the part of a lower triangle that the parent passes on.
+    pub fn add_rest(&self, update: &[f64], passed: &mut [f64], rows: usize) {
+        self.add(update, passed, rows, self.width..usize::MAX, true);
+    }
+
+    /// As [`Runs::add_columns`], all rows.
+    pub fn add_full_columns(&self, update: &[f64], block: &mut [f64], height: usize) {
+        self.add(update, block, height, 0..self.width, false);
+    }
+
+    /// As [`Runs::add_rest`], all rows.
+    pub fn add_full_rest(&self, update: &[f64], passed: &mut [f64], rows: usize) {
+        self.add(update, passed, rows, self.width..usize::MAX, false);
+    }
+
+    fn add(
+        &self,
+        update: &[f64],
+        front: &mut [f64],
+        height: usize,
+        columns: Range<usize>,
+        lower: bool,
+    ) {
+        Added {
+            runs: &self.runs,
+            update,
+            rows: self.rows,
+            front,
+            height,
+            first: columns.start,
+            end: columns.end,
+            lower,
+        }
+        .add();
+    }
+}

@@ -1,0 +1,362 @@
+//! L Lᵀ x = b over supernodes, up the elimination tree and down again.
+//!
+//! ```text
+//! up:    y = L11⁻¹ (b + Σ children),   passed up: Σ children − L21 y
+//! down:  x = L11⁻ᵀ (y − L21ᵀ x_rows)
+//! ```
+//!
+//! The time is that of reading L twice. Subtrees are shared out to the threads; what they pass up is added
+//! in the order of the tree, so that the bits do not depend on the number of threads.
+
+use super::kernels::Block;
+use super::supernodes::Supernodes;
+use rayon::prelude::*;
+
+/// Subtrees with fewer entries of L stay with one thread.
+const LEAST_ENTRIES: usize = 500_000;
+
+/// Factors of K by supernode.
+#[derive(Clone, Copy)]
+pub enum Factors<'a> {
+    /// Blocks of L in K = L Lᵀ.
+    Symmetric(&'a [f64]),
+    /// Blocks of L and of Uᵀ in P K = L U, and for each column which of the supernode's rows stands there.
+    Pivoted(&'a [f64]),
+}
+
+impl<'a> Factors<'a> {
+    fn up(self, structure: &Supernodes, s: usize) -> &'a [f64] {
+        match self {
+            Factors::Symmetric(values) => &values[structure.block(s)],
+            Factors::Pivoted(values) => {
+                &values[pivoted_start(structure, s)..][..structure.block(s).len()]
+            }
+        }
+    }
+
+    fn down(self, structure: &Supernodes, s: usize) -> &'a [f64] {
+        match self {
+            Factors::Symmetric(values) => &values[structure.block(s)],
+            Factors::Pivoted(values) => {
+                let length = structure.block(s).len();
+                &values[pivoted_start(structure, s) + length..][..length]
+            }
+        }
+    }
+
+    fn order(self, structure: &Supernodes, s: usize) -> Option<&'a [f64]> {
+        match self {
+            Factors::Symmetric(_) => None,
+            Factors::Pivoted(values) => {
+                let end = pivoted_start(structure, s + 1);
+                Some(&values[end - structure.width(s)..end])
+            }
+        }
+    }
+}
+
+/// Where the numbers of a supernode begin in [`Factors::Pivoted`].
+pub fn pivoted_start(structure: &Supernodes, s: usize) -> usize {
+    2 * structure.block_start(s) + structure.first_column(s)
+}
+
+/// Overwrites `x`, `columns` vectors one after the other, by (L Lᵀ)⁻¹ x.
+pub fn solve(structure: &Supernodes, factors: Factors, x: &mut [f64], columns: usize) {
+    let n = structure.dofs();
+    let sweep = Sweep {
+        structure,
+        factors,
+        k: columns,
+    };
+    let mut panels = vec![0.0; n * columns];
+    let mut work = vec![0.0; sweep.rows(0..structure.n_supernodes()).len() * columns];
+    sweep.for_each_place(|place, dof| panels[place] = x[dof]);
+    let all = Subtrees {
+        supernodes: 0..structure.n_supernodes(),
+        x: &mut panels,
+        work: &mut work,
+    };
+    let roots = structure.roots();
+    sweep.share_out(&roots, all, Sweep::up);
+    let all = Subtrees {
+        supernodes: 0..structure.n_supernodes(),
+        x: &mut panels,
+        work: &mut work,
+    };
+    sweep.share_out(&roots, all, Sweep::down);
+    sweep.for_each_place(|place, dof| x[dof] = panels[place]);
+}
+
+struct Sweep<'a> {
+    structure: &'a Supernodes,
+    factors: Factors<'a>,
+    /// Right-hand sides.
+    k: usize,
+}
+
+/// Neighbouring supernodes with their part of the unknowns, and of what passes between them and their
+/// parents: for each supernode its rows, one right-hand side after the other.
+struct Subtrees<'a> {
+    supernodes: std::ops::Range<usize>,
+    x: &'a mut [f64],
+    work: &'a mut [f64],
+}
+
+impl Sweep<'_> {
+    /// Where every unknown is among the panels, and in the vectors by dof.
+    fn for_each_place(&self, mut place: impl FnMut(usize, usize)) {
+        let n = self.structure.dofs();
+        for s in 0..self.structure.n_supernodes() {
+            let columns = self.structure.columns(s);
+            for column in columns.clone() {
+                let dof = self.structure.dof(column);
+                for k in 0..self.k {
+                    let panel = columns.start * self.k + k * columns.len();
+                    place(panel + column - columns.start, dof + k * n);
+                }
+            }
+        }
+    }
+
+    fn rows(&self, supernodes: std::ops::Range<usize>) -> std::ops::Range<usize> {
+        match supernodes.clone().next_back() {
+            None => 0..0,
+            Some(last) => {
+                self.structure.row_range(supernodes.start).start..self.structure.row_range(last).end
+            }
+        }
+    }
+
+    fn columns(&self, supernodes: std::ops::Range<usize>) -> std::ops::Range<usize> {
+        match supernodes.clone().next_back() {
+            None => 0..0,
+            Some(last) => {
+                self.structure.columns(supernodes.start).start..self.structure.columns(last).end
+            }
+        }
+    }
+
+    fn block<'b>(&self, values: &'b [f64], s: usize) -> Block<'b> {
+        let (width, rows) = (self.structure.width(s), self.structure.rows(s).len());
+        Block {
+            values,
+            width,
+            height: width + rows,
+        }
+    }
+
+    fn entries(&self, root: usize) -> usize {
+        let first = self.structure.subtree(root).start;
+        self.structure.block(root).end - self.structure.block(first).start
+    }
+
+    /// Runs all subtrees of `roots`, which `all` consists of.
+    fn share_out(&self, roots: &[usize], all: Subtrees, run: fn(&Self, usize, Subtrees)) {
+        let (mut x, mut work) = (all.x, all.work);
+        let share = |&root: &usize| {
+            let supernodes = self.structure.subtree(root);
+            let columns = self.columns(supernodes.clone()).len() * self.k;
+            let rows = self.rows(supernodes.clone()).len() * self.k;
+            let (own_x, rest) = std::mem::take(&mut x).split_at_mut(columns);
+            x = rest;
+            let (own_work, rest) = std::mem::take(&mut work).split_at_mut(rows);
+            work = rest;
+            let own = Subtrees {
+                supernodes,
+                x: own_x,
+                work: own_work,
+            };
+            (root, own)
+        };
+        let shares: Vec<(usize, Subtrees)> = roots.iter().map(share).collect();
+        shares
+            .into_par_iter()
+            .for_each(|(root, own)| run(self, root, own));
+    }
+
+    /// The first supernode, from `root` down, whose subtree forks into several large ones or none;
+    /// `None` if the whole subtree is for one thread.
+    fn fork(&self, root: usize) -> Option<usize> {
+        let mut top = root;
+        if self.entries(root) < LEAST_ENTRIES {
+            return None;
+        }
+        loop {
+            let mut large = (self.structure.children_from_last(top))
+                .filter(|&c| self.entries(c) >= LEAST_ENTRIES);
+            match (large.next(), large.next()) {
+                (Some(only), None) => top = only,
+                (None, _) => return None,
+                _ => return Some(top),
+            }
+        }
+    }
+
+    fn up(&self, root: usize, own: Subtrees) {
+        let Subtrees {
+            supernodes,
+            x,
+            work,
+        } = own;
+        let mut front = Vec::new();
+        let Some(top) = self.fork(root) else {
+            for s in supernodes.clone() {
+                self.up_one(s, supernodes.start, x, work, &mut front);
+            }
+            return;
+        };
+        let below = self.structure.subtree(top);
+        for s in supernodes.start..below.start {
+            self.up_one(s, supernodes.start, x, work, &mut front);
+        }
+        self.fork_of(top, supernodes.start, x, work, Sweep::up);
+        for s in top..=root {
+            self.up_one(s, supernodes.start, x, work, &mut front);
+        }
+    }
+
+    fn down(&self, root: usize, own: Subtrees) {
+        let Subtrees {
+            supernodes,
+            x,
+            work,
+        } = own;
+        let mut front = Vec::new();
+        let Some(top) = self.fork(root) else {
+            for s in supernodes.clone().rev() {
+                self.down_one(s, supernodes.start, x, work, &mut front);
+            }
+            return;
+        };
+        let below = self.structure.subtree(top);
+        for s in (top..=root).rev() {
+            self.down_one(s, supernodes.start, x, work, &mut front);
+        }
+        self.fork_of(top, supernodes.start, x, work, Sweep::down);
+        for s in (supernodes.start..below.start).rev() {
+            self.down_one(s, supernodes.start, x, work, &mut front);
+        }
+    }
+
+    /// The subtrees of the children of `top`; `first` is the first supernode of `x` and `work`.
+    fn fork_of(
+        &self,
+        top: usize,
+        first: usize,
+        x: &mut [f64],
+        work: &mut [f64],
+        run: fn(&Self, usize, Subtrees),
+    ) {
+        let mut children: Vec<usize> = self.structure.children_from_last(top).collect();
+        children.reverse();
+        let supernodes = self.structure.subtree(top).start..top;
+        let columns = self.local_columns(supernodes.clone(), first);
+        let rows = self.local_rows(supernodes.clone(), first);
+        let below = Subtrees {
+            supernodes,
+            x: &mut x[columns],
+            work: &mut work[rows],
+        };
+        self.share_out(&children, below, run);
+    }
+
+    fn local_columns(
+        &self,
+        supernodes: std::ops::Range<usize>,
+        first: usize,
+    ) -> std::ops::Range<usize> {
+        let shift = self.structure.columns(first).start;
+        let columns = self.columns(supernodes);
+        (columns.start - shift) * self.k..(columns.end - shift) * self.k
+    }
+
+    fn local_rows(
+        &self,
+        supernodes: std::ops::Range<usize>,
+        first: usize,
+    ) -> std::ops::Range<usize> {
+        let shift = self.structure.row_range(first).start;
+        let rows = self.rows(supernodes);
+        (rows.start - shift) * self.k..(rows.end - shift) * self.k
+    }
+
+    fn up_one(
+        &self,
+        s: usize,
+        first: usize,
+        x: &mut [f64],
+        work: &mut [f64],
+        front: &mut Vec<f64>,
+    ) {
+        let (width, rows) = (self.structure.width(s), self.structure.rows(s).len());
+        let height = width + rows;
+        let own = self.local_columns(s..s + 1, first);
+        let passed = self.local_rows(s..s + 1, first);
+        front.clear();
+        front.resize(height * self.k, 0.0);
+        for k in 0..self.k {
+            let own = &x[own.start + k * width..][..width];
+            front[k * height..][..width].copy_from_slice(own);
+        }
+        for child in self.structure.children_from_last(s) {
+            let places = self.structure.places(child);
+            let from = &work[self.local_rows(child..child + 1, first)];
+            for k in 0..self.k {
+                let to = &mut front[k * height..][..height];
+                for (&place, value) in places.iter().zip(&from[k * places.len()..]) {
+                    to[place as usize] += value;
+                }
+            }
+        }
+        if let Some(order) = self.factors.order(self.structure, s) {
+            for f in front.chunks_exact_mut(height) {
+                let own = f[..width].to_vec();
+                for (f, &from) in f.iter_mut().zip(order) {
+                    *f = own[from as usize];
+                }
+            }
+        }
+        let block = self.block(self.factors.up(self.structure, s), s);
+        block.forward(front);
+        for k in 0..self.k {
+            let front = &front[k * height..][..height];
+            x[own.start + k * width..][..width].copy_from_slice(&front[..width]);
+            work[passed.start + k * rows..][..rows].copy_from_slice(&front[width..]);
+        }
+    }
+
+    fn down_one(
+        &self,
+        s: usize,
+        first: usize,
+        x: &mut [f64],
+        work: &mut [f64],
+        front: &mut Vec<f64>,
+    ) {
+        let (width, rows) = (self.structure.width(s), self.structure.rows(s).len());
+        let height = width + rows;
+        let own = self.local_columns(s..s + 1, first);
+        let passed = self.local_rows(s..s + 1, first);
+        front.clear();
+        for k in 0..self.k {
+            front.extend_from_slice(&x[own.start + k * width..][..width]);
+            front.extend_from_slice(&work[passed.start + k * rows..][..rows]);
+        }
+        let block = self.block(self.factors.down(self.structure, s), s);
+        block.backward(front);
+        for k in 0..self.k {
+            let front = &front[k * height..][..height];
+            x[own.start + k * width..][..width].copy_from_slice(&front[..width]);
+        }
+        for child in self.structure.children_from_last(s) {
+            let places = self.structure.places(child);
+            let to = &mut work[self.local_rows(child..child + 1, first)];
+            for k in 0..self.k {
+                let from = &front[k * height..][..height];
+                for (&place, value) in places.iter().zip(&mut to[k * places.len()..]) {
+                    *value = from[place as usize];
+                }
+            }
+        }
+    }
+}

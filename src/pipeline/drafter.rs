@@ -1,0 +1,203 @@
+//! VTU parts and pictures of a run that still goes, drafted on a thread of its own.
+//!
+//! The solve never waits for it: a frame that comes while others wait is passed over, and the output
+//! stage makes its files from `frames/`, as it does those that could not be written here (and then
+//! reports it, if they cannot be written there either). It works on one thread, outside of the pool on
+//! which the solve is parallel.
+
+use super::damage_picture::{DAMAGE_PICTURE, damage_picture};
+use super::fracture::Frame;
+use super::made::Made;
+use super::parts::Parts;
+use super::pictures::{MESH_PICTURE, Sheet, mesh_picture, put};
+use super::results::ResultsError;
+use crate::output::picture::PictureError;
+use crate::phases::Phases;
+use crate::trace::Trace;
+use rayon::ThreadPoolBuilder;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::{Builder, Scope, ScopedJoinHandle};
+use std::time::{Duration, Instant};
+
+/// Frames that may wait.
+const MOST_WAITING: usize = 2;
+
+/// How often the picture of a run that goes is drawn again: seldom enough to cost under a hundredth
+/// of the run's time.
+const LATEST_EVERY: Duration = Duration::from_secs(5);
+
+enum Order {
+    Frame(Arc<Frame>),
+    /// `damage.png` while a run goes: from the first break on, of a state a few seconds old at most.
+    /// What it shows depends on the clock, so it is no result: it is taken away when the solve stage
+    /// ends, and the output stage draws the last state.
+    Latest {
+        step: usize,
+        intact: Vec<bool>,
+    },
+}
+
+/// The end of the queue at which orders are given; idle if there is no thread to be had.
+pub(super) struct Drafter<'scope> {
+    orders: SyncSender<Order>,
+    thread: Option<ScopedJoinHandle<'scope, Drafts>>,
+    stop: Arc<AtomicBool>,
+    drafts_frames: bool,
+    /// When the latest state was last drawn.
+    drawn: Option<Instant>,
+}
+
+/// What has been drafted, and what it took.
+#[derive(Default)]
+pub(super) struct Drafts {
+    pub made: Vec<Made>,
+    pub phases: Phases,
+}
+
+impl<'scope> Drafter<'scope> {
+    /// `folder`: where drafts go; without one, the latest picture is all that is drawn.
+    pub fn start<'env: 'scope>(
+        scope: &'scope Scope<'scope, 'env>,
+        parts: Parts<'env>,
+        folder: Option<PathBuf>,
+        trace: Trace,
+    ) -> Drafter<'scope> {
+        let (orders, queue) = sync_channel(MOST_WAITING);
+        let stop = Arc::new(AtomicBool::new(false));
+        let drafts_frames = folder.is_some();
+        let desk = Desk {
+            parts,
+            folder,
+            stop: stop.clone(),
+            drafts: Drafts {
+                made: Vec::new(),
+                phases: Phases::traced(trace),
+            },
+        };
+        let work = move || {
+            let pool = ThreadPoolBuilder::new().num_threads(1);
+            let pool = pool.thread_name(|_| "drafter".to_owned()).build();
+            pool.map_or_else(
+                |_| Drafts::default(),
+                |pool| pool.install(|| desk.work(queue)),
+            )
+        };
+        Drafter {
+            orders,
+            thread: Builder::new().spawn_scoped(scope, work).ok(),
+            stop,
+            drafts_frames,
+            drawn: None,
+        }
+    }
+
+    pub fn frame(&self, frame: &Arc<Frame>) {
+        if self.drafts_frames {
+            let _ = self.orders.try_send(Order::Frame(frame.clone()));
+        }
+    }
+
+    /// Draws the latest state if bonds have broken and the last picture is old.
+    pub fn latest(&mut self, parts: Parts, step: usize, intact: &[bool]) {
+        let is_new = (self.drawn).is_some_and(|drawn| drawn.elapsed() < LATEST_EVERY);
+        if !parts.plan.output.pictures || is_new || *intact == *parts.model.intact {
+            return;
+        }
+        let intact = intact.to_vec();
+        if self.orders.try_send(Order::Latest { step, intact }).is_ok() {
+            self.drawn = Some(Instant::now());
+        }
+    }
+
+    /// Ends after what is being drafted now.
+    pub fn finish(self) -> Drafts {
+        self.stop.store(true, Ordering::Relaxed);
+        drop(self.orders);
+        match self.thread.map(ScopedJoinHandle::join) {
+            Some(Ok(drafts)) => drafts,
+            Some(Err(panic)) => std::panic::resume_unwind(panic),
+            None => Drafts::default(),
+        }
+    }
+}
+
+/// The thread's own.
+struct Desk<'a> {
+    parts: Parts<'a>,
+    folder: Option<PathBuf>,
+    stop: Arc<AtomicBool>,
+    drafts: Drafts,
+}
+
+impl Desk<'_> {
+    fn work(mut self, queue: Receiver<Order>) -> Drafts {
+        if let Some(folder) = &self.folder
+            && self.parts.plan.output.pictures
+        {
+            let folder = folder.clone();
+            self.picture(MESH_PICTURE.to_owned(), |parts| {
+                put(
+                    &mesh_picture(parts.plan, parts.model).draw()?,
+                    &folder.join(MESH_PICTURE),
+                )
+            });
+        }
+        for order in queue {
+            if self.stop.load(Ordering::Relaxed) {
+                break;
+            }
+            match order {
+                Order::Frame(frame) => self.frame(&frame),
+                Order::Latest { step, intact } => {
+                    let folder = self.parts.plan.folder.clone();
+                    let made = self.drafts.made.len();
+                    self.damage(DAMAGE_PICTURE.to_owned(), &folder, step, &intact);
+                    // Of no state in particular.
+                    self.drafts.made.truncate(made);
+                }
+            }
+        }
+        self.drafts
+    }
+
+    fn frame(&mut self, frame: &Frame) {
+        let Some(folder) = self.folder.clone() else {
+            return;
+        };
+        let Desk { parts, drafts, .. } = self;
+        let trace = drafts.phases.trace().clone();
+        let write = |kind| parts.write(kind, frame, Some(frame.step), &folder, &trace);
+        let written: Vec<Result<Made, ResultsError>> =
+            (drafts.phases).measure("vtu", || parts.kinds().into_iter().map(write).collect());
+        drafts.made.extend(written.into_iter().flatten());
+        let output = &parts.plan.output;
+        if output.pictures && output.pictures_at.contains(&frame.step) {
+            let file = Sheet::DamageAt(frame.step).file();
+            self.damage(file, &folder, frame.step, &frame.intact);
+        }
+    }
+
+    fn damage(&mut self, file: String, folder: &Path, step: usize, intact: &[bool]) {
+        let path = folder.join(&file);
+        self.picture(file, |parts| {
+            let picture = damage_picture(parts.plan, parts.model, Some(step), intact);
+            put(&picture.draw()?, &path)
+        });
+    }
+
+    fn picture(
+        &mut self,
+        file: String,
+        draw: impl FnOnce(&Parts) -> Result<[u64; 2], PictureError>,
+    ) {
+        let Desk { parts, drafts, .. } = self;
+        let trace = drafts.phases.trace().clone();
+        let draw = || Made::measured(file, &trace, |_| draw(parts));
+        drafts
+            .made
+            .extend(drafts.phases.measure("pictures", draw).ok());
+    }
+}

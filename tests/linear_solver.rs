@@ -1,0 +1,252 @@
+//! The sparse Cholesky solver against faer's, on a lattice and on a hybrid cantilever: solutions agree to
+//! 1e-10 of the largest displacement (condition 1e5 to 1e7 times rounding; 1e-12 was measured).
+//!
+//! Eight right-hand sides give the bits of one at a time, and any number of threads the same bits.
+
+mod common;
+
+use common::*;
+use faer::Side;
+use faer::linalg::solvers::Solve;
+use peristitch::assembly::full::{FullMatrix, FullPattern};
+use peristitch::assembly::stiffness::Stiffness;
+use peristitch::assembly::{LowerMatrix, Pattern};
+use peristitch::linear_solver::SolverError;
+use peristitch::linear_solver::cholesky::Symbolic;
+use peristitch::linear_solver::lu;
+use peristitch::linear_solver::ordering::{Ordering, elimination_order};
+use peristitch::material::PlaneState;
+use peristitch::mesh::CellKind;
+use peristitch::model::{Method, Model};
+use peristitch::peridynamics::lattice::Placement;
+
+const TOLERANCE: f64 = 1e-10;
+
+/// 1 × 1 m; Q8 of 50 mm left of `middle`, points 1/`side` m apart right of it.
+fn model(middle: f64, side: usize) -> Model {
+    let grid = Grid {
+        size: [1.0, 1.0],
+        count: [20, 20],
+        kind: CellKind::Quad8,
+    };
+    let mut mesh = grid.plain();
+    name_cells(&mut mesh, "points", |x| x[0] > middle);
+    let lattice = paper_lattice(1.0 / side as f64, Placement::CellCentred);
+    let mut regions = vec![region(
+        &mesh,
+        &["points"],
+        steel(),
+        Method::Peridynamics(lattice),
+    )];
+    if middle > 0.0 {
+        name_cells(&mut mesh, "elements", |x| x[0] < middle);
+        let elements = region(&mesh, &["elements"], steel(), Method::FiniteElements);
+        regions.insert(0, elements);
+    }
+    build(mesh, regions, PlaneState::Stress)
+}
+
+/// K with the nodes near x = 0 held.
+fn system(model: &Model) -> (Pattern, LowerMatrix) {
+    let elements = model.element_stiffness();
+    let pattern = Pattern::new(model.node_count(), &model.springs, &elements);
+    let stiffness = pattern.assemble(&model.positions, &model.springs, &elements);
+    let held: Vec<bool> = (0..2 * model.node_count())
+        .map(|dof| model.positions[dof / 2][0] < 0.03)
+        .collect();
+    match Stiffness::Symmetric(stiffness).hold(&held) {
+        Stiffness::Symmetric(matrix) => (pattern, matrix),
+        Stiffness::Full(_) => unreachable!("it was symmetric"),
+    }
+}
+
+fn symbolic(pattern: &Pattern, ordering: Ordering) -> Symbolic {
+    Symbolic::new(pattern.symbolic(), &pattern.graph, ordering).expect("an order")
+}
+
+fn loads(n: usize, columns: usize) -> Vec<f64> {
+    (0..n * columns)
+        .map(|k| 1e6 * (1.0 + ((k % n * 7 + k / n) % 13) as f64))
+        .collect()
+}
+
+#[test]
+fn solutions_are_those_of_faer() {
+    for (middle, side) in [(0.0, 40), (0.5, 60)] {
+        let (pattern, matrix) = system(&model(middle, side));
+        let n = matrix.ncols();
+        let b = loads(n, 1);
+        let faer = matrix.sp_cholesky(Side::Lower).expect("positive definite");
+        let expected = faer.solve(faer::Col::from_fn(n, |i| b[i]));
+        let largest = (0..n).map(|i| expected[i].abs()).fold(0.0, f64::max);
+        for ordering in [Ordering::Metis, Ordering::Amd] {
+            let factor = symbolic(&pattern, ordering).factorise(&matrix);
+            let mut x = b.clone();
+            factor.expect("positive definite").solve_in_place(&mut x);
+            for i in 0..n {
+                let error = (x[i] - expected[i]).abs() / largest;
+                assert!(
+                    error < TOLERANCE,
+                    "dof {i} of {n}, {ordering:?}: {error:.1e}"
+                );
+            }
+        }
+    }
+}
+
+/// The second factorisation works in the memory of the first, which is full of its numbers.
+#[test]
+fn the_bits_depend_neither_on_threads_nor_on_company_nor_on_the_memory() {
+    let (pattern, matrix) = system(&model(0.5, 120));
+    let n = matrix.ncols();
+    let symbolic = symbolic(&pattern, Ordering::Metis);
+    let b = loads(n, 11);
+    let solve = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.expect("a pool").install(|| {
+            let factor = symbolic.factorise(&matrix).expect("positive definite");
+            let mut many = b.clone();
+            factor.solve_many_in_place(&mut many, 11);
+            let mut single = b.clone();
+            single
+                .chunks_exact_mut(n)
+                .for_each(|b| factor.solve_in_place(b));
+            [many, single]
+        })
+    };
+    let [many, single] = solve(1);
+    assert_eq!(many, single);
+    for threads in [1, 2, 3] {
+        assert_eq!(
+            solve(threads),
+            [many.clone(), single.clone()],
+            "{threads} threads"
+        );
+    }
+}
+
+/// A free body has pivots of rounding size; a dof that pulls away from its place a negative one.
+#[test]
+fn what_is_not_positive_definite_is_named() {
+    let model = model(0.0, 60);
+    let (pattern, matrix) = system(&model);
+    let symbolic = symbolic(&pattern, Ordering::Metis);
+    let free = pattern.assemble(&model.positions, &model.springs, &[]);
+    let error = symbolic.factorise(&free).expect_err("three free motions");
+    assert!(
+        matches!(error, SolverError::NotPositiveDefinite { .. }),
+        "{error}"
+    );
+    // A held dof stands alone: its pivot is its entry.
+    let held = 7;
+    let mut negative = matrix.clone();
+    let (structure, values) = negative.parts_mut();
+    values[structure.col_range(held).start] *= -1.0;
+    let error = symbolic
+        .factorise(&negative)
+        .expect_err("one pivot is negative");
+    assert!(
+        matches!(error, SolverError::NotPositiveDefinite { dof } if dof == held),
+        "{error}"
+    );
+    symbolic.factorise(&matrix).expect("as before");
+}
+
+/// All of K on a lattice of 60 × 60 points, entry by entry changed by `change(row, column, value)`.
+fn full(change: impl Fn(usize, usize, f64) -> f64) -> (FullPattern, FullMatrix) {
+    let model = model(0.0, 60);
+    let pattern = FullPattern::new(model.node_count(), 0, &model.springs, &[]);
+    let mut matrix = pattern.assemble(&model.positions, &model.springs, &[]);
+    let (structure, values) = matrix.parts_mut();
+    for column in 0..structure.ncols() {
+        for k in structure.col_range(column) {
+            values[k] = change(structure.row_idx()[k] as usize, column, values[k]);
+        }
+    }
+    (pattern, matrix)
+}
+
+fn symbolic_lu(pattern: &FullPattern) -> lu::Symbolic {
+    let order = elimination_order(Ordering::Metis, &pattern.graph).expect("an order");
+    lu::Symbolic::new(pattern.symbolic(), pattern.symmetrised().as_ref(), &order)
+}
+
+/// A matrix that is not symmetric, as the splice's are: pivots within the supernodes do, the solution is
+/// faer's with all rows to choose from, and any number of threads gives the same bits.
+#[test]
+fn lu_solutions_are_those_with_all_rows_to_choose_from() {
+    let (pattern, matrix) = full(|row, column, value| match row == column {
+        true => 1.02 * value,
+        false => value * (1.0 + 0.2 * ((row * 7 + column * 3) % 11) as f64 / 11.0 - 0.1),
+    });
+    let symbolic = symbolic_lu(&pattern);
+    let solve = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.expect("a pool").install(|| {
+            let factor = symbolic.factorise(&matrix).expect("it can be inverted");
+            assert!(factor.kept_to_its_rows());
+            let mut x = loads(matrix.ncols(), 1);
+            factor.solve_in_place(&mut x);
+            x
+        })
+    };
+    let x = solve(1);
+    let mut expected = loads(matrix.ncols(), 1);
+    let factor = symbolic.factorise_with_all_rows(&matrix);
+    factor
+        .expect("it can be inverted")
+        .solve_in_place(&mut expected);
+    let largest = expected.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
+    for (x, e) in x.iter().zip(&expected) {
+        assert!((x - e).abs() < TOLERANCE * largest, "{x:e} for {e:e}");
+    }
+    for threads in [2, 3] {
+        assert_eq!(solve(threads), x, "{threads} threads");
+    }
+}
+
+/// Two neighbours that read each other only: their diagonal is zero, and the row with their pivot may
+/// be in another supernode.
+#[test]
+fn lu_looks_at_all_rows_where_a_supernode_has_no_pivot() {
+    let partner = |dof: usize| if dof / 2 % 2 == 0 { dof + 2 } else { dof - 2 };
+    let (pattern, matrix) = full(|row, column, _| f64::from(u8::from(column == partner(row))));
+    let factor = symbolic_lu(&pattern)
+        .factorise(&matrix)
+        .expect("a permutation");
+    assert!(!factor.kept_to_its_rows());
+    let b = loads(matrix.ncols(), 1);
+    let mut x = b.clone();
+    factor.solve_in_place(&mut x);
+    for dof in 0..x.len() {
+        assert_eq!(x[dof], b[partner(dof)]);
+    }
+}
+
+/// By the dofs' paths to the root, and by whole solutions: sums of the same products in another order.
+#[test]
+fn the_inverse_between_a_few_dofs_is_that_of_whole_solutions() {
+    let (pattern, matrix) = system(&model(0.5, 60));
+    let n = matrix.ncols();
+    let factor = symbolic(&pattern, Ordering::Metis).factorise(&matrix);
+    let factor = factor.expect("positive definite");
+    // Near each other and far apart, in no order, more than one block of right-hand sides.
+    let rows: Vec<usize> = (0..90).map(|k| (k * 611 + (k % 3) * 17) % n).collect();
+    let columns = &rows[20..70];
+    let inverse = factor.inverse_between(&rows, columns);
+    let compliance = factor.compliance(columns);
+    for (j, &column) in columns.iter().enumerate() {
+        let mut x = vec![0.0; n];
+        x[column] = 1.0;
+        factor.solve_in_place(&mut x);
+        let largest = x.iter().fold(0.0, |a, b| f64::max(a, b.abs()));
+        for (i, &row) in rows.iter().enumerate() {
+            let off = (inverse[(i, j)] - x[row]).abs();
+            assert!(off < 1e-12 * largest, "{row} {column}: {off:e}");
+        }
+        for (i, &row) in columns.iter().enumerate() {
+            let off = (compliance[(i.max(j), i.min(j))] - x[row]).abs();
+            assert!(off < 1e-12 * largest, "{row} {column}: {off:e}");
+        }
+    }
+}

@@ -171,7 +171,7 @@ const SOLUTION: f64 = 100.0;
 
 /// The dofs of a zone: per bond they cost n², and the solutions at its end 1/n. The third root is the
 /// optimum, its factor measured.
-const DOFS: f64 = 50.0;
+const DOFS: f64 = 30.0;
 const FEWEST_DOFS: f64 = 1200.0;
 
 impl Costs {

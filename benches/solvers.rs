@@ -1,4 +1,4 @@
-//! This crate's solver beside CHOLMOD, MUMPS and MKL PARDISO, on the same matrices:
+//! This crate's solver beside faer's, CHOLMOD, MUMPS and MKL PARDISO, on the same matrices:
 //!
 //! ```sh
 //! make bench-solvers                     # lattices of 100², 200² and 400² points; half an hour
@@ -15,10 +15,19 @@
 //! The rivals (`benches/rivals/`) read the lower triangle of K from a file: n and the number of entries
 //! (i64), column starts and rows (i32), values (f64). Those that are not installed are left out.
 
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::perm::Perm;
+use faer::sparse::SparseColMat;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::{Conj, MatMut, Par, Side};
 use peristitch::assembly::Pattern;
 use peristitch::assembly::stiffness::Stiffness;
 use peristitch::linear_solver::cholesky::Symbolic;
-use peristitch::linear_solver::ordering::Ordering;
+use peristitch::linear_solver::ordering::{Ordering, elimination_order};
+use peristitch::linear_solver::supernodes::Supernodes;
 use peristitch::material::{Material, PlaneState};
 use peristitch::peridynamics::bonds::bonds;
 use peristitch::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
@@ -35,12 +44,19 @@ const PHASES: [&str; 4] = ["analysis", "numeric", "solve", "solve8"];
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     if let [_, child, side, threads, ..] = arguments.as_slice()
-        && child == "--ours"
+        && let Some(name) = child.strip_prefix("--solver=")
     {
-        ours(
-            side.parse().expect("a side"),
-            threads.parse().expect("threads"),
-        );
+        let side = side.parse().expect("a side");
+        let threads = threads.parse().expect("threads");
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .use_current_thread()
+            .build_global()
+            .expect("the first pool");
+        match name {
+            "faer" => faer(side, threads),
+            _ => ours(side),
+        }
         return;
     }
     let sides: Vec<usize> = arguments.iter().filter_map(|a| a.parse().ok()).collect();
@@ -88,7 +104,12 @@ fn rivals(folder: &Path) -> Vec<Rival> {
         name: "PARDISO",
         command: vec![python, sources.join("pardiso.py")],
     });
+    let this = std::env::current_exe().expect("this program has a path");
     let all = [
+        Ok(Rival {
+            name: "faer",
+            command: vec![this, "--solver=faer".into()],
+        }),
         compiled(
             "CHOLMOD",
             &["-I/usr/include/suitesparse", "-lcholmod", "-lm"],
@@ -165,7 +186,12 @@ fn compare(side: usize, rounds: usize, rivals: &[Rival], folder: &Path) {
             records.entry(0).or_default().read(&run(own, "peristitch"));
             for (k, rival) in rivals.iter().enumerate() {
                 let mut command = Command::new(&rival.command[0]);
-                command.args(&rival.command[1..]).arg(&file);
+                command.args(&rival.command[1..]);
+                if rival.name == "faer" {
+                    command.args([side.to_string(), threads.to_string()]);
+                } else {
+                    command.arg(&file);
+                }
                 for variable in ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"] {
                     command.env(variable, threads.to_string());
                 }
@@ -228,7 +254,7 @@ fn table(threads: usize, rivals: &[Rival], records: &BTreeMap<usize, Record>) {
 }
 
 /// K of a lattice on a unit square of 30 GPa, one edge held.
-fn lattice(side: usize) -> (Pattern, faer::sparse::SparseColMat<u32, f64>) {
+fn lattice(side: usize) -> (Pattern, SparseColMat<u32, f64>) {
     let spacing = 1.0 / side as f64;
     let at = |k: usize| (k as f64 + 0.5) * spacing;
     let positions: Vec<[f64; 2]> = (0..side * side)
@@ -259,7 +285,7 @@ fn lattice(side: usize) -> (Pattern, faer::sparse::SparseColMat<u32, f64>) {
     (pattern, matrix)
 }
 
-fn write(matrix: &faer::sparse::SparseColMat<u32, f64>, path: &Path) {
+fn write(matrix: &SparseColMat<u32, f64>, path: &Path) {
     let file = std::fs::File::create(path).expect("room for the matrix");
     let mut file = std::io::BufWriter::new(file);
     let mut put = |bytes: &[u8]| file.write_all(bytes).expect("room for the matrix");
@@ -275,14 +301,8 @@ fn write(matrix: &faer::sparse::SparseColMat<u32, f64>, path: &Path) {
 }
 
 /// The same as the rivals do.
-fn ours(side: usize, threads: usize) {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .use_current_thread()
-        .build_global()
-        .expect("the first pool");
+fn ours(side: usize) {
     let (pattern, matrix) = lattice(side);
-    let n = matrix.ncols();
     let analyse =
         || Symbolic::new(pattern.symbolic(), &pattern.graph, Ordering::Metis).expect("METIS works");
     let symbolic = measure("analysis", 1, || (), |()| analyse());
@@ -292,6 +312,14 @@ fn ours(side: usize, threads: usize) {
         || (),
         |()| symbolic.factorise(&matrix).expect("positive definite"),
     );
+    solve(&matrix, |x, columns| factor.solve_many_in_place(x, columns));
+    println!("entries {}", symbolic.factor_entries());
+    println!("flops {:.6e}", symbolic.flops());
+}
+
+/// Times one solution and several, and prints the residuals.
+fn solve(matrix: &SparseColMat<u32, f64>, mut work: impl FnMut(&mut [f64], usize)) {
+    let n = matrix.ncols();
     let load = |k: usize| 1.0 + ((k % n * 7 + k / n) % 13) as f64;
     let stiffness = Stiffness::Symmetric(matrix.clone());
     for (name, columns) in [("solve", 1), ("solve8", MANY)] {
@@ -301,7 +329,7 @@ fn ours(side: usize, threads: usize) {
             RUNS,
             || b.clone(),
             |mut x| {
-                factor.solve_many_in_place(&mut x, columns);
+                work(&mut x, columns);
                 x
             },
         );
@@ -313,8 +341,62 @@ fn ours(side: usize, threads: usize) {
         let worst = x.chunks(n).zip(b.chunks(n)).map(rest).fold(0.0, f64::max);
         println!("residual {worst:.3e}");
     }
-    println!("entries {}", symbolic.factor_entries());
-    println!("flops {:.6e}", symbolic.flops());
+}
+
+/// faer's supernodal Cholesky in the same order.
+fn faer(side: usize, threads: usize) {
+    let (pattern, matrix) = lattice(side);
+    let n = matrix.ncols();
+    let par = if threads == 1 {
+        Par::Seq
+    } else {
+        Par::rayon(threads)
+    };
+    let analyse = || {
+        let order = elimination_order(Ordering::Metis, &pattern.graph).expect("METIS works");
+        let supernodes = Supernodes::new(pattern.symbolic(), &order);
+        let forward: Vec<u32> = (0..n).map(|column| supernodes.dof(column) as u32).collect();
+        let inverse: Vec<u32> = (0..n).map(|dof| supernodes.column(dof) as u32).collect();
+        let order = Perm::new_checked(forward.into(), inverse.into(), n);
+        let params = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            ..Default::default()
+        };
+        let order = SymmetricOrdering::Custom(order.as_ref());
+        factorize_symbolic_cholesky(pattern.symbolic(), Side::Lower, order, params)
+            .expect("there is memory")
+    };
+    let symbolic = measure("analysis", 1, || (), |()| analyse());
+    let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(par, Default::default());
+    let mut memory = MemBuffer::new(scratch);
+    let mut values = vec![0.0; symbolic.len_val()];
+    measure(
+        "numeric",
+        RUNS,
+        || (),
+        |()| {
+            let factor = symbolic.factorize_numeric_llt(
+                &mut values,
+                matrix.as_ref(),
+                Side::Lower,
+                Default::default(),
+                par,
+                MemStack::new(&mut memory),
+                Default::default(),
+            );
+            factor.map(|_| ()).expect("positive definite");
+        },
+    );
+    solve(&matrix, |x, columns| {
+        let mut memory = MemBuffer::new(symbolic.solve_in_place_scratch::<f64>(columns, par));
+        LltRef::new(&symbolic, &values).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(x, n, columns),
+            par,
+            MemStack::new(&mut memory),
+        );
+    });
+    println!("entries {}", symbolic.len_val());
 }
 
 /// Prints NAME, wall and processor time: medians of `runs` after one that is not counted.

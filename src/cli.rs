@@ -4,10 +4,10 @@
 mod watch;
 
 use crate::fracture::control::{Ending, Resolution};
-use crate::output::profile;
 use crate::pipeline::damage_picture::DAMAGE_PICTURE;
 use crate::pipeline::folder;
 use crate::pipeline::plan::Plan;
+use crate::pipeline::profile;
 use crate::pipeline::run::{self, Observer, Options, RunError, Standing};
 use crate::pipeline::scribe;
 use crate::pipeline::source::InputError;

@@ -46,7 +46,7 @@
 //! | [`cracks`], [`fracture`] | eqs. (5)–(7): initial cracks, failure, load programmes, controls |
 //! | [`fields`] | stress, strain, stretch from U |
 //! | [`output`] | VTU, PVD, PNG |
-//! | [`pipeline`], [`cli`], [`phases`] | stages and commands; what each phase costs |
+//! | [`pipeline`], [`cli`], [`phases`], [`trace`] | stages and commands; what each phase costs, and when it ran |
 //!
 //! # Symbols and units
 //!

@@ -7,7 +7,6 @@ pub mod colour;
 pub mod field;
 mod packed;
 pub mod picture;
-pub mod profile;
 pub mod pvd;
 pub mod vtu;
 

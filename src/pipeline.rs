@@ -15,6 +15,7 @@ mod meshing;
 mod parts;
 mod pictures;
 pub mod plan;
+pub mod profile;
 pub mod quantity;
 mod reader;
 mod recipe;

@@ -319,10 +319,10 @@ fn every_command_and_option_is_described() {
     assert_eq!(
         commands,
         [
-            "run", "check", "status", "explain", "clean", "verify", "help"
+            "run", "watch", "check", "status", "explain", "clean", "verify", "help"
         ]
     );
-    for command in &commands[..6] {
+    for command in &commands[..7] {
         assert!(
             PIPELINE_PAGE.contains(&format!("| `{command}` |")),
             "{command}"
@@ -466,7 +466,7 @@ fn the_import_table_is_that_of_the_sources() {
         );
     }
     assert_eq!(described, found);
-    assert_eq!(described.len(), 22);
+    assert_eq!(described.len(), 23);
 }
 
 #[test]

@@ -130,7 +130,7 @@ impl Plate {
         let mut list = Vec::new();
         let observe = |state: &State, record: Record, response: &Response| {
             let mut state = state.clone();
-            if !response.is_last() {
+            if response.foresees_next() {
                 state.settle(&problem, response);
             }
             list.push(Step { state, record });
@@ -266,8 +266,10 @@ fn break_exceeded(model: &Model, limits: &Limits, state: &mut State) -> usize {
         },
         resolution: Resolution::Fast,
     };
-    let exceeded = state.exceeded(model, limits);
-    state.break_bonds(&problem, &exceeded, None)
+    let is_over = |&s: &usize| limits.of(s).is_exceeded(state.stretch(model, s));
+    let intact = (0..model.springs.len()).filter(|&s| state.intact[s]);
+    let exceeded: Vec<usize> = intact.filter(is_over).collect();
+    state.break_bonds(&problem, None, &exceeded)
 }
 
 /// u = ε·x with the given ε_xx and ε_yy.

@@ -209,7 +209,13 @@ fn lu_solutions_are_those_with_all_rows_to_choose_from() {
 /// be in another supernode.
 #[test]
 fn lu_looks_at_all_rows_where_a_supernode_has_no_pivot() {
-    let partner = |dof: usize| if dof / 2 % 2 == 0 { dof + 2 } else { dof - 2 };
+    let partner = |dof: usize| {
+        if (dof / 2).is_multiple_of(2) {
+            dof + 2
+        } else {
+            dof - 2
+        }
+    };
     let (pattern, matrix) = full(|row, column, _| f64::from(u8::from(column == partner(row))));
     let factor = symbolic_lu(&pattern)
         .factorise(&matrix)

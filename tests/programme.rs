@@ -128,7 +128,7 @@ fn run(
     let mut list: Vec<Step> = Vec::new();
     let observe = |state: &State, record: Record, response: &Response| {
         let mut state = state.clone();
-        if !response.is_last() {
+        if response.foresees_next() {
             state.settle(&problem, response);
         }
         let intact = list.last().map_or(&model.intact, |s| &s.state.intact);
@@ -327,7 +327,7 @@ fn under_a_dead_load_the_loaded_part_comes_off_or_swings() {
         },
         resolution: Resolution::Fast,
     };
-    state.break_bonds(&problem, &[0], None);
+    state.break_bonds(&problem, None, &[0]);
     assert!(state.load_lost && state.fragments.is_empty());
 }
 

@@ -232,6 +232,6 @@ fn break_bonds(
         _ => response.bonds_over_limit(problem, state, load),
     });
     phases.measure("loose parts", || {
-        state.break_bonds(problem, response, &bonds)
+        state.break_bonds(problem, Some(response), &bonds)
     })
 }

@@ -207,33 +207,41 @@ impl State {
         ending
     }
 
-    /// Breaks the given bonds, finds what falls off, and returns how many have broken.
+    /// Breaks the given bonds, finds what falls off, and returns how many have broken. Displacements are
+    /// those of the `response`, or else the state's own.
     pub fn break_bonds(
         &mut self,
         problem: &Problem,
-        response: &Response,
+        response: Option<&Response>,
         bonds: &[usize],
     ) -> usize {
         let Problem {
             model, programme, ..
         } = problem;
         for &spring in bonds {
-            let stretch = response.stretch(problem, spring, self.load);
+            let stretch = match response {
+                Some(response) => response.stretch(problem, spring, self.load),
+                None => self.stretch(model, spring),
+            };
             let elongation = model.springs.length(spring, &model.positions) * stretch;
             self.intact[spring] = false;
             self.broken.push(spring as u32);
             self.just_broken.push((spring as u32, elongation));
         }
         // A response that is known already is that of a regular K: everything is held.
-        if !bonds.is_empty() && !response.foresees_next() {
-            let before = self.fragments.clone();
-            self.find_loose_parts(model, programme);
-            if self.fragments != before {
-                // What comes off stays where it is now.
-                let now = std::mem::replace(&mut self.fragments, before);
-                self.settle(problem, response);
-                self.fragments = now;
-            }
+        let is_held = response.is_some_and(Response::foresees_next);
+        if bonds.is_empty() || is_held {
+            return bonds.len();
+        }
+        let before = self.fragments.clone();
+        self.find_loose_parts(model, programme);
+        if self.fragments != before
+            && let Some(response) = response
+        {
+            // What comes off stays where it is now.
+            let now = std::mem::replace(&mut self.fragments, before);
+            self.settle(problem, response);
+            self.fragments = now;
         }
         bonds.len()
     }

@@ -103,6 +103,15 @@ struct Update {
     values: Vec<f64>,
 }
 
+/// A supernode with one large child, which is not done yet.
+struct Link<'v> {
+    supernode: usize,
+    block: &'v mut [f64],
+    /// Of its small children before and after the large one.
+    before: Vec<Update>,
+    after: Vec<Update>,
+}
+
 /// Memory of updates that are no longer needed, for others: fresh pages cost as much as the sums in them.
 #[derive(Debug, Default)]
 pub struct Pool(Mutex<Vec<Vec<f64>>>);
@@ -156,7 +165,7 @@ impl<F: Front> Numeric<'_, F> {
             return self.sequential(root, values);
         }
         // Down to where the tree forks, so that calls do not nest as deep as the tree.
-        let mut chain: Vec<(usize, &mut [f64], Vec<Update>, Vec<Update>)> = Vec::new();
+        let mut chain: Vec<Link> = Vec::new();
         let (mut top, mut values) = (root, values);
         loop {
             let children = self.structure.children(top);
@@ -166,17 +175,15 @@ impl<F: Front> Numeric<'_, F> {
             if children.iter().filter(|c| large(c)).count() != 1 {
                 let updates = self.subtrees(&children, subtrees)?;
                 let mut update = self.front(top, block, updates)?;
-                while let Some((s, block, mut updates, after)) = chain.pop() {
+                while let Some(link) = chain.pop() {
+                    let mut updates = link.before;
                     updates.push(update);
-                    updates.extend(after);
-                    update = self.front(s, block, updates)?;
+                    updates.extend(link.after);
+                    update = self.front(link.supernode, link.block, updates)?;
                 }
                 return Ok(update);
             }
-            let at = children
-                .iter()
-                .position(|c| large(c))
-                .expect("there is one");
+            let at = children.iter().position(large).expect("there is one");
             let mut parts = self.split(&children, subtrees);
             let after = parts.split_off(at + 1);
             let (next, part) = parts.pop().expect("there is one");
@@ -186,7 +193,12 @@ impl<F: Front> Numeric<'_, F> {
                     .collect();
                 side.into_iter().collect()
             };
-            chain.push((top, block, side(parts)?, side(after)?));
+            chain.push(Link {
+                supernode: top,
+                block,
+                before: side(parts)?,
+                after: side(after)?,
+            });
             (top, values) = (next, part);
         }
     }

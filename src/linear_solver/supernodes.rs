@@ -333,7 +333,8 @@ impl Tree {
             supernode_of[j] = tree.width.len() as u32;
             let last = j + 1 == n || parent[j] as usize != j + 1 || counts[j] != counts[j + 1] + 1;
             if last {
-                tree.columns.push(vec![begin as u32..j as u32 + 1]);
+                let columns = begin as u32..j as u32 + 1;
+                tree.columns.push(std::iter::once(columns).collect());
                 tree.width.push((j + 1 - begin) as u32);
                 tree.below.push(counts[j] - 1);
                 // The parent column, for now.

@@ -2,7 +2,7 @@
 //! open: complete events (`"ph": "X"`, times in µs) that nest by their times, one process for each
 //! pipeline, one row for each thread.
 
-use super::{WriteError, write_whole};
+use crate::output::{WriteError, write_whole};
 use crate::trace::{Kind, Span, Trace};
 use serde_json::{Value, json};
 use std::path::Path;

@@ -6,11 +6,13 @@
 
 use faer::Par;
 use peristitch::assembly::{ElementStiffness, LowerMatrix, Pattern};
+use peristitch::geometry::Outline;
 use peristitch::linear_solver::cholesky::Symbolic;
 use peristitch::linear_solver::ordering::{Ordering, elimination_order};
 use peristitch::material::{Material, PlaneState};
-use peristitch::peridynamics::bonds::{bonds, neighbour_pairs};
+use peristitch::peridynamics::bonds::bonds;
 use peristitch::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
+use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement, lattice};
 use peristitch::pipeline::plan::Plan;
 use peristitch::pipeline::run::{Options, discretised};
 use peristitch::springs::Springs;
@@ -35,7 +37,7 @@ fn main() {
     );
     cantilever(&machine);
     for side in sides {
-        lattice(side, &machine);
+        square(side, &machine);
     }
 }
 
@@ -150,13 +152,11 @@ fn cantilever(machine: &Machine) {
     system(&model.positions, &model.springs, &elements, machine);
 }
 
-fn lattice(side: usize, machine: &Machine) {
+fn square(side: usize, machine: &Machine) {
     let spacing = 1.0 / side as f64;
-    let at = |k: usize| (k as f64 + 0.5) * spacing;
-    let positions: Vec<[f64; 2]> = (0..side * side)
-        .map(|k| [at(k % side), at(k / side)])
-        .collect();
-    let areas = vec![spacing * spacing; positions.len()];
+    let outline = Outline {
+        loops: vec![vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]],
+    };
     let plane = PlaneState::Stress;
     let material = Material {
         young: 30e9,
@@ -171,27 +171,22 @@ fn lattice(side: usize, machine: &Machine) {
         spacing,
     );
     head(&format!("\nlattice of {side} × {side} points, m = 4"));
-    let (pairs, memory) = gained(|| neighbour_pairs(&positions, micromodulus.reach()));
+    let settings = LatticeSettings::upright(spacing, Placement::CellCentred, CellArea::Clipped);
+    let points = || lattice(&outline, &[], &settings);
+    let (found, memory) = gained(points);
     let time = median(|| {
-        neighbour_pairs(&positions, micromodulus.reach());
+        points();
     });
-    row(
-        "neighbour search",
-        time,
-        memory,
-        Some(8.0 * pairs.len() as f64 / machine.bytes),
-    );
-    let search_and_stiffness = median(|| {
-        bonds(&positions, &areas, &micromodulus, 1.0, 0);
+    let floor = 24.0 * found.positions.len() as f64 / machine.bytes;
+    row("lattice", time, memory, Some(floor));
+    let all = || bonds(&found, &micromodulus, 1.0, 0);
+    let (springs, memory) = gained(all);
+    let time = median(|| {
+        all();
     });
-    let springs = bonds(&positions, &areas, &micromodulus, 1.0, 0);
-    row(
-        "bond stiffness",
-        (search_and_stiffness - time).max(0.0),
-        f64::NAN,
-        None,
-    );
-    system(&positions, &springs, &[], machine);
+    let floor = 16.0 * springs.len() as f64 / machine.bytes;
+    row("families and bonds", time, memory, Some(floor));
+    system(&found.positions, &springs, &[], machine);
 }
 
 fn system(

@@ -17,20 +17,21 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::Perm;
-use faer::sparse::SparseColMat;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::{Conj, MatMut, Par, Side};
-use peristitch::assembly::Pattern;
 use peristitch::assembly::stiffness::Stiffness;
+use peristitch::assembly::{LowerMatrix, Pattern};
+use peristitch::geometry::Outline;
 use peristitch::linear_solver::cholesky::Symbolic;
 use peristitch::linear_solver::ordering::{Ordering, elimination_order};
 use peristitch::linear_solver::supernodes::Supernodes;
 use peristitch::material::{Material, PlaneState};
 use peristitch::peridynamics::bonds::bonds;
 use peristitch::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
+use peristitch::peridynamics::lattice::{self, CellArea, LatticeSettings, Placement};
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -182,7 +183,7 @@ fn compare(side: usize, rounds: usize, rivals: &[Rival], folder: &Path) {
         for _ in 0..rounds {
             let this = std::env::current_exe().expect("this program has a path");
             let mut own = Command::new(this);
-            own.args(["--ours", &side.to_string(), &threads.to_string()]);
+            own.args(["--solver=ours", &side.to_string(), &threads.to_string()]);
             records.entry(0).or_default().read(&run(own, "peristitch"));
             for (k, rival) in rivals.iter().enumerate() {
                 let mut command = Command::new(&rival.command[0]);
@@ -254,12 +255,14 @@ fn table(threads: usize, rivals: &[Rival], records: &BTreeMap<usize, Record>) {
 }
 
 /// K of a lattice on a unit square of 30 GPa, one edge held.
-fn lattice(side: usize) -> (Pattern, SparseColMat<u32, f64>) {
+fn lattice(side: usize) -> (Pattern, LowerMatrix) {
     let spacing = 1.0 / side as f64;
-    let at = |k: usize| (k as f64 + 0.5) * spacing;
-    let positions: Vec<[f64; 2]> = (0..side * side)
-        .map(|k| [at(k % side), at(k / side)])
-        .collect();
+    let outline = Outline {
+        loops: vec![vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]],
+    };
+    let cells = LatticeSettings::upright(spacing, Placement::CellCentred, CellArea::Full);
+    let points = lattice::lattice(&outline, &[], &cells);
+    let positions = &points.positions;
     let plane = PlaneState::Stress;
     let material = Material {
         young: 30e9,
@@ -274,10 +277,9 @@ fn lattice(side: usize) -> (Pattern, SparseColMat<u32, f64>) {
         reach,
         spacing,
     );
-    let areas = vec![spacing * spacing; positions.len()];
-    let springs = bonds(&positions, &areas, &micromodulus, 1.0, 0);
+    let springs = bonds(&points, &micromodulus, 1.0, 0);
     let pattern = Pattern::new(positions.len(), &springs, &[]);
-    let stiffness = Stiffness::Symmetric(pattern.assemble(&positions, &springs, &[]));
+    let stiffness = Stiffness::Symmetric(pattern.assemble(positions, &springs, &[]));
     let held: Vec<bool> = (0..2 * positions.len()).map(|dof| dof < 2 * side).collect();
     let Stiffness::Symmetric(matrix) = stiffness.hold(&held) else {
         unreachable!("it was symmetric");
@@ -285,17 +287,14 @@ fn lattice(side: usize) -> (Pattern, SparseColMat<u32, f64>) {
     (pattern, matrix)
 }
 
-fn write(matrix: &SparseColMat<u32, f64>, path: &Path) {
+fn write(matrix: &LowerMatrix, path: &Path) {
     let file = std::fs::File::create(path).expect("room for the matrix");
     let mut file = std::io::BufWriter::new(file);
     let mut put = |bytes: &[u8]| file.write_all(bytes).expect("room for the matrix");
     put(&(matrix.ncols() as i64).to_le_bytes());
     put(&(matrix.val().len() as i64).to_le_bytes());
-    let integers = matrix
-        .symbolic()
-        .col_ptr()
-        .iter()
-        .chain(matrix.symbolic().row_idx());
+    let integers = matrix.as_ref().symbolic();
+    let integers = integers.col_ptr().iter().chain(integers.row_idx());
     integers.for_each(|&i| put(&(i as i32).to_le_bytes()));
     matrix.val().iter().for_each(|v| put(&v.to_le_bytes()));
 }
@@ -318,7 +317,7 @@ fn ours(side: usize) {
 }
 
 /// Times one solution and several, and prints the residuals.
-fn solve(matrix: &SparseColMat<u32, f64>, mut work: impl FnMut(&mut [f64], usize)) {
+fn solve(matrix: &LowerMatrix, mut work: impl FnMut(&mut [f64], usize)) {
     let n = matrix.ncols();
     let load = |k: usize| 1.0 + ((k % n * 7 + k / n) % 13) as f64;
     let stiffness = Stiffness::Symmetric(matrix.clone());

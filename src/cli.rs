@@ -13,7 +13,7 @@ use crate::pipeline::scribe;
 use crate::pipeline::source::InputError;
 use crate::pipeline::stamp::Stage;
 use crate::pipeline::yaml;
-use crate::statics::Estimate;
+use crate::statics::{Estimate, Method};
 use crate::trace::Trace;
 use crate::verification::{self, Check, Reference, table};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -78,6 +78,9 @@ enum Command {
         /// Factorise anew whenever bonds have broken: slow, to check the fast way against
         #[arg(long)]
         reference_solver: bool,
+        /// Solve by conjugate gradients on two levels, as large lattices are, whatever the size
+        #[arg(long, conflicts_with = "reference_solver")]
+        iterative_solver: bool,
         /// Write a profile of the run, for chrome://tracing or ui.perfetto.dev
         #[arg(long, value_name = "FILE", conflicts_with = "dry_run")]
         trace: Option<PathBuf>,
@@ -95,7 +98,13 @@ enum Command {
         threads: Option<u16>,
     },
     /// Validate, and print sizes and the memory and time to expect; writes nothing
-    Check(Common),
+    Check {
+        #[command(flatten)]
+        common: Common,
+        /// As if run with this
+        #[arg(long)]
+        iterative_solver: bool,
+    },
     /// Print which stages are fresh
     Status(Common),
     /// Print why stages are stale
@@ -167,6 +176,7 @@ pub fn main() -> ExitCode {
             dry_run,
             threads,
             reference_solver,
+            iterative_solver,
             trace,
             brief,
         } => {
@@ -177,10 +187,10 @@ pub fn main() -> ExitCode {
             let options = Options {
                 until: until.into(),
                 force,
-                resolution: if reference_solver {
-                    Resolution::Reference
-                } else {
-                    Resolution::Fast
+                resolution: match (reference_solver, iterative_solver) {
+                    (true, _) => Resolution::Reference,
+                    (false, true) => Resolution::TwoLevel,
+                    (false, false) => Resolution::Fast,
                 },
                 ..Options::default()
             };
@@ -193,7 +203,13 @@ pub fn main() -> ExitCode {
             }
         }
         Command::Watch { common, threads } => watch_all(common, threads),
-        Command::Check(common) => for_each(&common, check),
+        Command::Check {
+            common,
+            iterative_solver,
+        } => {
+            let method = iterative_solver.then_some(Method::TwoLevel);
+            for_each(&common, |plan| check(plan, method))
+        }
         Command::Status(common) => for_each(&common, |plan| list(plan, false)),
         Command::Explain(common) => for_each(&common, |plan| list(plan, true)),
         Command::Clean(common) => for_each(&common, |plan| {
@@ -505,9 +521,9 @@ fn list(plan: &Plan, reasons_too: bool) -> Result<(), RunError> {
     Ok(())
 }
 
-fn check(plan: &Plan) -> Result<(), RunError> {
+fn check(plan: &Plan, method: Option<Method>) -> Result<(), RunError> {
     let (model, boundary, extract) = run::discretised(plan, &Options::default())?;
-    let estimate = Estimate::new(&model, &boundary)?;
+    let estimate = Estimate::new(&model, &boundary, method, plan.loading.is_some())?;
     println!("{}: sound", plan.name);
     println!(
         "  mesh              Gmsh {}, {} groups",
@@ -532,10 +548,16 @@ fn check(plan: &Plan) -> Result<(), RunError> {
         );
     }
     println!("  unknowns          {}", estimate.dofs);
-    println!(
-        "  factor            {} entries, {:.2e} flops",
-        estimate.factor_entries, estimate.flops
-    );
+    match estimate.method {
+        Method::Direct => println!(
+            "  factor            {} entries, {:.2e} flops",
+            estimate.factor_entries, estimate.flops
+        ),
+        Method::TwoLevel => println!(
+            "  solver            two levels, conjugate gradients; {:.1e} entries in the coarse factor",
+            estimate.factor_entries as f64
+        ),
+    }
     println!(
         "  to expect         {}, {}",
         megabytes(estimate.bytes),

@@ -35,10 +35,13 @@ impl Cracks {
 
     /// Whether the bond from `a` to `b` is severed.
     pub fn sever(&self, a: [f64; 2], b: [f64; 2]) -> bool {
-        let reach = TOUCH * (b[0] - a[0]).hypot(b[1] - a[1]);
-        self.segments
-            .iter()
-            .any(|&segment| near(segment, [a, b], reach) && meet(segment, [a, b], reach))
+        // Never less than the length.
+        let length = (b[0] - a[0]).abs() + (b[1] - a[1]).abs();
+        let mut close = self.segments.iter();
+        close.any(|&segment| {
+            near(segment, [a, b], TOUCH * length)
+                && meet(segment, [a, b], TOUCH * (b[0] - a[0]).hypot(b[1] - a[1]))
+        })
     }
 }
 

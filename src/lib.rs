@@ -126,6 +126,9 @@
 //!   Analysis 10, 345–363.
 //! - Liu J. W. H. (1990). The role of elimination trees in sparse factorization. SIAM Journal on
 //!   Matrix Analysis and Applications 11, 134–172.
+//! - Toselli A., Widlund O. (2005). Domain Decomposition Methods – Algorithms and Theory. Springer.
+//! - Vaněk P., Mandel J., Brezina M. (1996). Algebraic multigrid by smoothed aggregation for second and
+//!   fourth order elliptic problems. Computing 56, 179–196.
 //! - Duff I. S., Reid J. K. (1983). The multifrontal solution of indefinite sparse symmetric linear
 //!   equations. ACM Transactions on Mathematical Software 9, 302–325.
 //! - Liu J. W. H. (1992). The multifrontal method for sparse matrix solution: theory and practice. SIAM

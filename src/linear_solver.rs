@@ -1,5 +1,6 @@
 //! K U = R, Qian et al. (2021), eq. (11): ordering, symbolic and numeric factorisation, Cholesky where K
-//! is symmetric and LU where it is not, solution and its residual, each apart from the others.
+//! is symmetric and LU where it is not, solution and its residual, each apart from the others; conjugate
+//! gradients where factors would be too large.
 
 pub mod cholesky;
 pub mod compliance;
@@ -13,7 +14,9 @@ mod partial_pivoting;
 mod path;
 pub mod supernodes;
 mod triangular;
+pub mod two_level;
 
+use crate::assembly::Lists;
 use thiserror::Error;
 
 #[derive(Debug, Error)]
@@ -30,19 +33,72 @@ pub enum SolverError {
     Singular { dof: usize },
 }
 
-/// Factors of K.
+/// How K U = R is solved where K is symmetric.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// By Cholesky's factors.
+    Direct,
+    /// By conjugate gradients, see [`two_level`].
+    TwoLevel,
+}
+
+/// More entries of L than these, 4 GB, leave the direct way.
+const MOST_FACTOR_ENTRIES: f64 = 5e8;
+
+impl Method {
+    pub const ALL: [Method; 2] = [Method::Direct, Method::TwoLevel];
+
+    /// By what L would take.
+    pub fn choose(graph: &Lists) -> Method {
+        let links = graph.parts().1.len();
+        if expected_factor_entries(graph.len(), links) <= MOST_FACTOR_ENTRIES {
+            Method::Direct
+        } else {
+            Method::TwoLevel
+        }
+    }
+
+    /// In a word.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Method::Direct => "direct",
+            Method::TwoLevel => "two-level",
+        }
+    }
+}
+
+/// Entries of L that nested dissection leaves of a graph in the plane of n nodes with d neighbours each,
+/// some 3 n d (log2(n/d) − 2): the law is George's (1973), the numbers are fitted to lattices
+/// (docs/performance.md). Two dofs per node; `links`: n d.
+pub fn expected_factor_entries(nodes: usize, links: usize) -> f64 {
+    let (nodes, links) = (nodes as f64, links as f64);
+    3.07 * links * ((nodes * nodes / links).log2() - 2.0).max(1.0)
+}
+
+/// Factors of K, or what takes their place.
 #[derive(Clone, Debug)]
 pub enum Factor {
     Cholesky(cholesky::Factor),
     Lu(Box<lu::Factor>),
+    TwoLevel(Box<two_level::TwoLevel>),
 }
 
 impl Factor {
-    /// Overwrites `rhs` by K⁻¹ rhs.
-    pub fn solve_in_place(&self, rhs: &mut [f64]) {
+    /// Overwrites `rhs` by K⁻¹ rhs, or by what leaves a residual of no more than `goal`.
+    pub fn solve_in_place(&self, rhs: &mut [f64], goal: f64) {
         match self {
             Factor::Cholesky(factor) => factor.solve_in_place(rhs),
             Factor::Lu(factor) => factor.solve_in_place(rhs),
+            Factor::TwoLevel(solver) => {
+                solver.solve_in_place(rhs, goal);
+            }
+        }
+    }
+
+    pub fn method(&self) -> Method {
+        match self {
+            Factor::Cholesky(_) | Factor::Lu(_) => Method::Direct,
+            Factor::TwoLevel(_) => Method::TwoLevel,
         }
     }
 }

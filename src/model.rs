@@ -234,6 +234,9 @@ impl Model {
 
     /// The same model with the bonds and trusses severed that meet a crack.
     pub fn with_cracks(mut self, cracks: &Cracks) -> Model {
+        if cracks.is_empty() {
+            return self;
+        }
         let positions = &self.positions;
         let springs = (0..self.springs.len()).into_par_iter();
         let intact = springs.map(|s| {
@@ -419,7 +422,7 @@ impl Model {
                 positions, areas, ..
             } = &lattice;
             let thickness = self.settings.thickness;
-            let mut bonds = bonds(positions, areas, &micromodulus, thickness, first as u32);
+            let mut bonds = bonds(&lattice, &micromodulus, thickness, first as u32);
             let surface = self.surface(region, &turned, &settings, &micromodulus)?;
             if let Some(surface) = &surface {
                 surface.correct(&mut bonds, positions, first as u32);

@@ -1,5 +1,6 @@
 //! One static solve, without artificial damping: K U = R, Qian et al. (2021), eq. (11).
 
+mod estimate;
 mod structure;
 
 use crate::assembly::stiffness::Stiffness;
@@ -7,13 +8,15 @@ use crate::boundary::Boundary;
 use crate::linear_solver::compliance::UnitLoads;
 use crate::linear_solver::{Factor, SolverError};
 use crate::model::Model;
-use crate::phases::{Phases, peak_memory};
+use crate::phases::Phases;
 use crate::support::{self, NotHeld};
 use faer::Mat;
 use std::collections::{BTreeMap, BTreeSet};
-use std::time::Duration;
 use structure::Structure;
 use thiserror::Error;
+
+pub use crate::linear_solver::Method;
+pub use estimate::Estimate;
 
 /// Displacements of all nodes, and what holds them.
 #[derive(Clone, Debug)]
@@ -35,8 +38,38 @@ pub struct SystemSize {
     pub dofs: usize,
     /// Stored entries of the lower triangle of K.
     pub stiffness_entries: usize,
-    /// Stored entries of L.
+    /// Stored entries of L; of the coarse level's where the system is solved on two levels.
     pub factor_entries: usize,
+    pub method: Method,
+}
+
+impl SystemSize {
+    /// As numbers, to be kept.
+    pub fn numbers(self) -> [usize; 4] {
+        let method = usize::from(self.method == Method::TwoLevel);
+        [
+            self.dofs,
+            self.stiffness_entries,
+            self.factor_entries,
+            method,
+        ]
+    }
+
+    /// From [`SystemSize::numbers`].
+    pub fn from_numbers(
+        [dofs, stiffness_entries, factor_entries, method]: [usize; 4],
+    ) -> SystemSize {
+        SystemSize {
+            dofs,
+            stiffness_entries,
+            factor_entries,
+            method: if method == 0 {
+                Method::Direct
+            } else {
+                Method::TwoLevel
+            },
+        }
+    }
 }
 
 #[derive(Debug, Error)]
@@ -77,43 +110,14 @@ pub enum StaticsError {
 const RESIDUAL_LIMIT: f64 = 1e-8;
 
 /// Solutions are refined until the residual is this small or stops falling.
-const RESIDUAL_GOAL: f64 = 1e-14;
-const MOST_REFINEMENTS: usize = 3;
-
-/// What a solve will cost, from the structure of L alone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    pub dofs: usize,
-    pub factor_entries: usize,
-    /// Of the numeric factorisation.
-    pub flops: f64,
-    /// Peak memory.
-    pub bytes: u64,
-    pub time: Duration,
-}
-
-/// Flops per second of the factorisation, and entries of K per second of everything else: fitted to
-/// lattices of 16 000 to 258 000 dofs on two cores with AVX-512. A rough guide elsewhere.
-const FACTOR_RATE: f64 = 2e10;
-const ENTRY_RATE: f64 = 3e6;
-
-impl Estimate {
-    /// # Errors
-    /// [`SolverError::Ordering`], [`SolverError::OutOfMemory`].
-    pub fn new(model: &Model, boundary: &Boundary) -> Result<Estimate, StaticsError> {
-        let structure = Structure::new(model, &mut Phases::default())?;
-        let factor_entries = structure.factor_entries();
-        let entries = structure.stiffness_entries() as f64;
-        let seconds = structure.flops() / FACTOR_RATE + entries / ENTRY_RATE;
-        Ok(Estimate {
-            dofs: boundary.load.len(),
-            factor_entries,
-            flops: structure.flops(),
-            bytes: peak_memory().unwrap_or(0) + 8 * factor_entries as u64,
-            time: Duration::from_secs_f64(seconds),
-        })
+fn residual_goal(method: Method) -> f64 {
+    match method {
+        Method::Direct => 1e-14,
+        Method::TwoLevel => 1e-10,
     }
 }
+
+const MOST_REFINEMENTS: usize = 3;
 
 /// Assembles and solves once, initial cracks open.
 ///
@@ -124,12 +128,26 @@ pub fn solve(
     boundary: &Boundary,
     phases: &mut Phases,
 ) -> Result<Solution, StaticsError> {
+    solve_by(model, boundary, None, phases)
+}
+
+/// The same in a given way, where K is symmetric.
+///
+/// # Errors
+/// See [`StaticsError`].
+pub fn solve_by(
+    model: &Model,
+    boundary: &Boundary,
+    method: Option<Method>,
+    phases: &mut Phases,
+) -> Result<Solution, StaticsError> {
     let unsupported = phases.measure("support", || {
         support::check(model, boundary)?;
         Ok::<_, NotHeld>(support::loose_parts(model, boundary, &model.intact))
     })?;
     let pinned: Vec<Vec<usize>> = unsupported.into_iter().map(|part| part.nodes).collect();
-    Solver::new(model, boundary, phases)?.solve(&model.intact, &pinned, phases)
+    let solver = Solver::with_method(model, boundary, method, phases)?;
+    solver.solve(&model.intact, &pinned, phases)
 }
 
 /// What stays the same while bonds break: elements, the pattern of K, the structure of L.
@@ -147,7 +165,20 @@ impl<'a> Solver<'a> {
         boundary: &'a Boundary,
         phases: &mut Phases,
     ) -> Result<Solver<'a>, StaticsError> {
-        let structure = Structure::new(model, phases)?;
+        Solver::with_method(model, boundary, None, phases)
+    }
+
+    /// Solves in this way where K is symmetric; `None`: whichever its size suggests.
+    ///
+    /// # Errors
+    /// [`SolverError::Ordering`], [`SolverError::OutOfMemory`].
+    pub fn with_method(
+        model: &'a Model,
+        boundary: &'a Boundary,
+        method: Option<Method>,
+        phases: &mut Phases,
+    ) -> Result<Solver<'a>, StaticsError> {
+        let structure = Structure::new(model, method, phases)?;
         Ok(Solver {
             model,
             boundary,
@@ -160,6 +191,7 @@ impl<'a> Solver<'a> {
             dofs: self.boundary.load.len(),
             stiffness_entries: self.structure.stiffness_entries(),
             factor_entries: self.structure.factor_entries(),
+            method: self.structure.method(),
         }
     }
 
@@ -175,9 +207,9 @@ impl<'a> Solver<'a> {
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
         let system = self.system(intact, pinned, &BTreeSet::new(), phases);
-        let factor = phases.measure("factorisation", || self.structure.factorise(&system.held));
+        let factor = self.factorise(&system, phases);
         let factor = factor.map_err(|error| self.locate(error))?;
-        self.finish(&system, &system.case(self.boundary), &factor, phases)
+        self.finish(&system, &system.case(self.boundary), &factor, None, phases)
     }
 
     /// The same for a body in which bonds break, under each of `cases`, which prescribe displacements
@@ -198,7 +230,7 @@ impl<'a> Solver<'a> {
         phases: &mut Phases,
     ) -> Result<Vec<Solution>, StaticsError> {
         let factorised = self.factorise_broken(intact, pinned, mechanisms, phases)?;
-        let solve = |case: &&Boundary| self.solve_with(&factorised, case, mechanisms, phases);
+        let solve = |case: &&Boundary| self.solve_with(&factorised, case, None, mechanisms, phases);
         cases.iter().map(solve).collect()
     }
 
@@ -215,8 +247,7 @@ impl<'a> Solver<'a> {
     ) -> Result<Factorised, StaticsError> {
         loop {
             let system = self.system(intact, pinned, mechanisms, phases);
-            let factor = phases.measure("factorisation", || self.structure.factorise(&system.held));
-            match factor {
+            match self.factorise(&system, phases) {
                 Ok(factor) => {
                     return Ok(Factorised {
                         system,
@@ -233,7 +264,8 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// Solves a case, which prescribes displacements on the same dofs.
+    /// Solves a case, which prescribes displacements on the same dofs. `guess`: displacements that may be
+    /// near the solution [m], from which conjugate gradients start.
     ///
     /// # Errors
     /// See [`StaticsError`]; [`StaticsError::Swings`] where a load acts along a mechanism.
@@ -241,11 +273,12 @@ impl<'a> Solver<'a> {
         &self,
         factorised: &Factorised,
         case: &Boundary,
+        guess: Option<&[[f64; 2]]>,
         mechanisms: &BTreeSet<usize>,
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
         let Factorised { system, factor, .. } = factorised;
-        let solution = self.finish(system, &system.case(case), factor, phases);
+        let solution = self.finish(system, &system.case(case), factor, guess, phases);
         solution.map_err(|error| self.swings(error, mechanisms))
     }
 
@@ -278,12 +311,18 @@ impl<'a> Solver<'a> {
             structure,
         } = self;
         let stiffness = phases.measure("assembly", || {
-            let springs = model.springs.with(intact);
-            structure.assemble(&model.positions, &springs)
+            structure.assemble(&model.positions, &model.springs, intact)
         });
-        phases.measure("supports", || {
-            System::new(stiffness, boundary, pinned, mechanisms)
-        })
+        System::new(stiffness, boundary, pinned, mechanisms)
+    }
+
+    fn factorise(&self, system: &System, phases: &mut Phases) -> Result<Factor, SolverError> {
+        let System {
+            stiffness, is_held, ..
+        } = system;
+        let positions = &self.model.positions;
+        self.structure
+            .factorise(positions, stiffness, is_held, phases)
     }
 
     fn finish(
@@ -291,14 +330,20 @@ impl<'a> Solver<'a> {
         system: &System,
         case: &Case,
         factor: &Factor,
+        guess: Option<&[[f64; 2]]>,
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
-        let (displacement, residual) = phases.measure("solution", || system.solve(case, factor));
+        let (displacement, residual) =
+            phases.measure("solution", || system.solve(case, factor, guess));
+        let mut size = self.size();
+        if let Factor::TwoLevel(solver) = factor {
+            size.factor_entries = solver.coarse_entries();
+        }
         let solution = Solution {
             reaction: system.reaction(case, &displacement),
             displacement: vectors(&displacement),
             residual,
-            size: self.size(),
+            size,
         };
         check(self.model, &solution)?;
         Ok(solution)
@@ -315,8 +360,18 @@ impl<'a> Solver<'a> {
             what: kind(self.model, node),
             x,
             y,
-            springs: self.structure.springs_at(node).len(),
+            springs: self.springs_at(node),
         }
+    }
+}
+
+impl Solver<'_> {
+    /// How many springs with stiffness act on a node.
+    fn springs_at(&self, node: usize) -> usize {
+        let springs = &self.model.springs;
+        let acts =
+            |&s: &usize| springs.stiffness[s] != 0.0 && springs.nodes(s).contains(&(node as u32));
+        (0..springs.len()).filter(acts).count()
     }
 }
 
@@ -375,7 +430,7 @@ impl Factorised {
     pub fn elimination(&self, dof: usize) -> Option<usize> {
         match &self.factor {
             Factor::Cholesky(factor) => Some(factor.column(dof)),
-            Factor::Lu(_) => None,
+            Factor::Lu(_) | Factor::TwoLevel(_) => None,
         }
     }
 
@@ -410,10 +465,12 @@ impl Factorised {
         clear(forces);
         match &self.factor {
             Factor::Cholesky(factor) => factor.solve_many_in_place(forces, cases),
-            Factor::Lu(factor) => {
+            factor => {
                 let dofs = self.system.is_held.len();
-                let each = forces.chunks_exact_mut(dofs);
-                each.for_each(|case| factor.solve_in_place(case));
+                for case in forces.chunks_exact_mut(dofs) {
+                    let goal = residual_goal(factor.method()) * norm(case);
+                    factor.solve_in_place(case, goal);
+                }
             }
         }
         // Held dofs stand apart in the factor, so that this clears signed zeros only.
@@ -471,6 +528,11 @@ impl Factorised {
         self.system.is_held.len()
     }
 
+    /// Whether there are factors, which answer to many forces at little cost.
+    pub fn is_direct(&self) -> bool {
+        self.factor.method() == Method::Direct
+    }
+
     pub fn is_symmetric(&self) -> bool {
         matches!(self.factor, Factor::Cholesky(_))
     }
@@ -498,8 +560,6 @@ fn add_spring_force(force: &mut [f64], model: &Model, spring: usize, f: f64) {
 struct System {
     /// K as assembled [N/m].
     stiffness: Stiffness,
-    /// K with a positive diagonal alone in the rows and columns of held dofs.
-    held: Stiffness,
     is_held: Vec<bool>,
     /// Dofs of pinned parts.
     pinned: Vec<usize>,
@@ -529,10 +589,8 @@ impl System {
         for &dof in supports.chain(&pinned).chain(mechanisms) {
             is_held[dof] = true;
         }
-        let held = stiffness.hold(&is_held);
         System {
             stiffness,
-            held,
             is_held,
             pinned,
         }
@@ -559,26 +617,36 @@ impl System {
     }
 
     /// The displacements, dof by dof [m], and the relative residual.
-    fn solve(&self, case: &Case, factor: &Factor) -> (Vec<f64>, f64) {
+    fn solve(&self, case: &Case, factor: &Factor, guess: Option<&[[f64; 2]]>) -> (Vec<f64>, f64) {
         let mut u: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
         let mut residual = self.residual(case, &u);
         let scale = norm(&residual);
         if scale == 0.0 {
             return (u, 0.0);
         }
-        let mut relative = 1.0;
-        for _ in 0..=MOST_REFINEMENTS {
+        if let (Some(guess), Factor::TwoLevel(_)) = (guess, factor) {
+            let free = u.iter_mut().zip(guess.as_flattened()).zip(&self.is_held);
+            let free = free.filter(|(_, held)| !**held);
+            free.for_each(|((u, guess), _)| *u = *guess);
+            residual = self.residual(case, &u);
+        }
+        let goal = residual_goal(factor.method());
+        let mut relative = norm(&residual) / scale;
+        for turn in 0..=MOST_REFINEMENTS {
+            if relative < goal {
+                break;
+            }
             let mut correction = residual;
-            factor.solve_in_place(&mut correction);
+            factor.solve_in_place(&mut correction, 0.5 * goal * scale);
             let refined: Vec<f64> = u.iter().zip(&correction).map(|(u, c)| u + c).collect();
             residual = self.residual(case, &refined);
             let now = norm(&residual) / scale;
             // Also false for a residual that is not a number: the check that follows reports it.
             let better = now < relative;
-            if better || relative == 1.0 {
+            if better || turn == 0 {
                 (u, relative) = (refined, now);
             }
-            if !better || relative < RESIDUAL_GOAL {
+            if !better {
                 break;
             }
         }

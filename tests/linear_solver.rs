@@ -76,7 +76,10 @@ fn solutions_are_those_of_faer() {
         let (pattern, matrix) = system(&model(middle, side));
         let n = matrix.ncols();
         let b = loads(n, 1);
-        let faer = matrix.sp_cholesky(Side::Lower).expect("positive definite");
+        let faer = matrix
+            .as_ref()
+            .sp_cholesky(Side::Lower)
+            .expect("positive definite");
         let expected = faer.solve(faer::Col::from_fn(n, |i| b[i]));
         let largest = (0..n).map(|i| expected[i].abs()).fold(0.0, f64::max);
         for ordering in [Ordering::Metis, Ordering::Amd] {
@@ -240,7 +243,7 @@ fn the_inverse_between_a_few_dofs_is_that_of_whole_solutions() {
     let rows: Vec<usize> = (0..90).map(|k| (k * 611 + (k % 3) * 17) % n).collect();
     let columns = &rows[20..70];
     let inverse = factor.inverse_between(&rows, columns);
-    let compliance = factor.compliance(columns);
+    let compliance = factor.unit_loads(columns, |_| true).square();
     for (j, &column) in columns.iter().enumerate() {
         let mut x = vec![0.0; n];
         x[column] = 1.0;

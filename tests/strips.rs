@@ -72,7 +72,7 @@ fn corrected(
     micromodulus: &Micromodulus,
 ) -> (Lattice, Springs) {
     let points = lattice(region, &[], &CELLS);
-    let mut bonds = bonds(&points.positions, &points.areas, micromodulus, THICKNESS, 7);
+    let mut bonds = bonds(&points, micromodulus, THICKNESS, 7);
     let surface =
         Surface::new(correction, region, body, &CELLS, micromodulus).expect("positive factors");
     surface.correct(&mut bonds, &points.positions, 7);

@@ -2,8 +2,7 @@
 //! displacements without acting back on it: all of K, on a pattern that is fixed once.
 //!
 //! Springs act on the nodes from a first one on, the material points; [`Equations`] hold what
-//! elements add to the rows of some nodes. Columns are gathered as in [`super::Pattern`]: by one thread each,
-//! in a fixed order.
+//! elements add to the rows of some nodes. Every column is gathered by one thread, in a fixed order.
 
 use super::Lists;
 use crate::springs::Springs;
@@ -113,16 +112,22 @@ impl FullPattern {
         self.symbolic.row_idx().len()
     }
 
-    /// Indices of the springs with stiffness that depend on a node.
-    pub fn springs_at(&self, node: usize) -> &[u32] {
-        self.springs_at.of(node)
-    }
-
     /// K [N/m].
     pub fn assemble(
         &self,
         positions: &[[f64; 2]],
         springs: &Springs,
+        equations: &[Equations],
+    ) -> FullMatrix {
+        self.assemble_intact(positions, springs, |_| true, equations)
+    }
+
+    /// The same with those springs alone that are intact.
+    pub fn assemble_intact(
+        &self,
+        positions: &[[f64; 2]],
+        springs: &Springs,
+        is_intact: impl Fn(usize) -> bool + Sync,
         equations: &[Equations],
     ) -> FullMatrix {
         let mut values = vec![0.0; self.stored_entries()];
@@ -136,8 +141,9 @@ impl FullPattern {
                     rows: self.rows.of(node),
                     values,
                 };
-                for &s in self.springs_at.of(node) {
-                    column.add_spring(springs, s as usize, positions, self.first_point);
+                let springs_here = self.springs_at.of(node).iter().map(|&s| s as usize);
+                for s in springs_here.filter(|&s| is_intact(s)) {
+                    column.add_spring(springs, s, positions, self.first_point);
                 }
                 for &e in self.equations_at.of(node) {
                     column.add_equations(&equations[e as usize]);

@@ -1,8 +1,10 @@
 //! K in either form: symmetric, of which the lower triangle is stored, or full.
 
 use super::full::FullMatrix;
-use super::{LowerMatrix, mean_diagonal};
-use faer::sparse::SparseColMat;
+use super::{LowerMatrix, column_parts, mean_diagonal};
+use faer::sparse::SymbolicSparseColMatRef;
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// K [N/m].
 #[derive(Clone, Debug)]
@@ -14,7 +16,8 @@ pub enum Stiffness {
 impl Stiffness {
     pub fn dofs(&self) -> usize {
         match self {
-            Stiffness::Symmetric(matrix) | Stiffness::Full(matrix) => matrix.ncols(),
+            Stiffness::Symmetric(matrix) => matrix.ncols(),
+            Stiffness::Full(matrix) => matrix.ncols(),
         }
     }
 
@@ -29,60 +32,56 @@ impl Stiffness {
     /// Clears the rows and columns of held dofs and puts the mean diagonal there, on the same pattern.
     pub fn hold(&self, is_held: &[bool]) -> Stiffness {
         let diagonal = self.mean_diagonal();
-        match self {
-            Stiffness::Symmetric(lower) => Stiffness::Symmetric(hold(lower, is_held, diagonal)),
-            Stiffness::Full(full) => Stiffness::Full(hold(full, is_held, diagonal)),
+        let mut held = self.clone();
+        match &mut held {
+            Stiffness::Symmetric(lower) => hold(lower.parts_mut(), is_held, diagonal),
+            Stiffness::Full(full) => hold(full.parts_mut(), is_held, diagonal),
         }
+        held
     }
 
     /// K u.
     pub fn multiply(&self, u: &[f64]) -> Vec<f64> {
         match self {
-            Stiffness::Symmetric(lower) => multiply_symmetric(lower, u),
+            Stiffness::Symmetric(lower) => lower.multiply(u),
             Stiffness::Full(full) => multiply_full(full, u),
         }
     }
 }
 
 fn hold(
-    matrix: &SparseColMat<u32, f64>,
+    (symbolic, values): (SymbolicSparseColMatRef<'_, u32>, &mut [f64]),
     is_held: &[bool],
     diagonal: f64,
-) -> SparseColMat<u32, f64> {
-    let mut held = matrix.clone();
-    let (symbolic, values) = held.parts_mut();
-    for column in 0..symbolic.ncols() {
-        let range = symbolic.col_range(column);
-        let rows = &symbolic.row_idx()[range.clone()];
-        for (&row, value) in rows.iter().zip(&mut values[range]) {
-            if is_held[column] || is_held[row as usize] {
-                *value = if row as usize == column {
-                    diagonal
-                } else {
-                    0.0
-                };
+) {
+    let mut rest = values;
+    let mut part = |columns: Range<usize>| {
+        let (start, end) = (
+            symbolic.col_ptr()[columns.start],
+            symbolic.col_ptr()[columns.end],
+        );
+        let (values, after) = std::mem::take(&mut rest).split_at_mut((end - start) as usize);
+        rest = after;
+        (columns, values)
+    };
+    let parts: Vec<Range<usize>> = column_parts(symbolic.ncols()).collect();
+    let parts: Vec<_> = parts.into_iter().map(&mut part).collect();
+    parts.into_par_iter().for_each(|(columns, mut values)| {
+        for column in columns {
+            let rows = symbolic.row_idx_of_col_raw(column);
+            let (here, after) = values.split_at_mut(rows.len());
+            values = after;
+            for (&row, value) in rows.iter().zip(here) {
+                if is_held[column] || is_held[row as usize] {
+                    *value = if row as usize == column {
+                        diagonal
+                    } else {
+                        0.0
+                    };
+                }
             }
         }
-    }
-    held
-}
-
-/// K u from the lower triangle of K.
-fn multiply_symmetric(matrix: &LowerMatrix, u: &[f64]) -> Vec<f64> {
-    let mut product = vec![0.0; u.len()];
-    for column in 0..matrix.ncols() {
-        let mut sum = 0.0;
-        let rows = matrix.row_idx_of_col_raw(column).iter();
-        for (&row, &value) in rows.zip(matrix.val_of_col(column)) {
-            let row = row as usize;
-            sum += value * u[row];
-            if row != column {
-                product[row] += value * u[column];
-            }
-        }
-        product[column] += sum;
-    }
-    product
+    });
 }
 
 fn multiply_full(matrix: &FullMatrix, u: &[f64]) -> Vec<f64> {
@@ -99,7 +98,7 @@ fn multiply_full(matrix: &FullMatrix, u: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use faer::sparse::Triplet;
+    use faer::sparse::{SparseColMat, Triplet};
 
     /// [[4, 1, 0], [1, 3, 2], [0, 2, 5]] in both forms.
     #[test]
@@ -118,7 +117,8 @@ mod tests {
         let matrix = |t: &[Triplet<u32, u32, f64>]| {
             SparseColMat::try_new_from_triplets(3, 3, t).expect("a matrix")
         };
-        let symmetric = Stiffness::Symmetric(matrix(&lower));
+        let (symbolic, values) = matrix(&lower).into_parts();
+        let symmetric = Stiffness::Symmetric(LowerMatrix::new(symbolic.into(), values));
         let full = Stiffness::Full(matrix(&full));
         assert_eq!(symmetric.mean_diagonal(), 4.0);
         for stiffness in [&symmetric, &full] {

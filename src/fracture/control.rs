@@ -6,7 +6,7 @@ use super::response::Response;
 use super::state::{Limits, State};
 use crate::model::Model;
 use crate::phases::Phases;
-use crate::statics::{Solver, StaticsError};
+use crate::statics::{Method, Solver, StaticsError};
 
 /// The three controls.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,6 +107,18 @@ pub enum Resolution {
     Fast,
     /// By a factorisation for every response: what all else is checked against.
     Reference,
+    /// By conjugate gradients on two levels, as large lattices are solved, whatever the size.
+    TwoLevel,
+}
+
+impl Resolution {
+    /// How systems are to be solved; `None`: whichever way their size suggests.
+    pub fn method(self) -> Option<Method> {
+        match self {
+            Resolution::Fast | Resolution::Reference => None,
+            Resolution::TwoLevel => Some(Method::TwoLevel),
+        }
+    }
 }
 
 /// One line of the history.
@@ -133,7 +145,8 @@ pub fn run<E: From<StaticsError>>(
     if let Some(ending) = ending(problem, state) {
         return Ok(ending);
     }
-    let solver = Solver::new(problem.model, problem.programme.supports(), phases)?;
+    let (supports, method) = (problem.programme.supports(), problem.resolution.method());
+    let solver = Solver::with_method(problem.model, supports, method, phases)?;
     let mut response = match Response::new(&solver, problem, state, phases) {
         Ok(response) => response,
         // Before the first step it is the problem that has no solution.

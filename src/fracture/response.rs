@@ -11,7 +11,8 @@
 //! Under the event-driven control the response looks ahead (`active_zone.rs`): it knows a number
 //! of events that follow from one factorisation, and goes from one to the next without solving again.
 //! Elsewhere it is updated from the last factorisation (`update.rs`), one solution for each pass in which
-//! bonds broke.
+//! bonds broke. Without factors, on a large lattice, conjugate gradients start from what the state was last
+//! settled to.
 
 use super::active_zone::{Ahead, look_ahead};
 use super::control::{Control, Problem, Resolution, TIE};
@@ -127,7 +128,7 @@ impl Response {
             near: Vec::new(),
             carries: None,
         };
-        if problem.resolution == Resolution::Reference {
+        if problem.resolution == Resolution::Reference || !factorised.is_direct() {
             return Ok(response);
         }
         if problem.control == Control::EventDriven
@@ -298,12 +299,29 @@ fn solve(
     phases: &mut Phases,
 ) -> Result<Solutions, StaticsError> {
     let programme = problem.programme;
-    let mut solve =
-        |case: &Boundary| solver.solve_with(factorised, case, &state.mechanisms, phases);
-    let unit = solve(&programme.phases[state.phase].boundary)?;
+    let mut solve = |case: &Boundary, guess: Option<&[[f64; 2]]>| {
+        solver.solve_with(factorised, case, guess, &state.mechanisms, phases)
+    };
     let held = match programme.held(state.phase) {
-        Some(held) => Some(solve(&held)?),
+        Some(held) => Some(solve(&held, None)?),
         None => None,
     };
+    let guess = unit_guess(state, held.as_ref());
+    let unit = solve(&programme.phases[state.phase].boundary, guess.as_deref())?;
     Ok(Solutions { held, unit })
+}
+
+/// What u_unit was when the state was last settled, as far as the state tells: a run that goes on from a
+/// checkpoint knows no more.
+fn unit_guess(state: &State, held: Option<&Solution>) -> Option<Vec<[f64; 2]>> {
+    let Load { share, factor } = state.load;
+    let scale = 1.0 / (share * factor);
+    let of = |(node, u): (usize, &[f64; 2])| {
+        [0, 1].map(|axis| {
+            let held = held.map_or(0.0, |held| held.displacement[node][axis]);
+            scale * (u[axis] - share * held)
+        })
+    };
+    let nodes = state.displacement.iter().enumerate();
+    scale.is_finite().then(|| nodes.map(of).collect())
 }

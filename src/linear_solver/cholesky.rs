@@ -64,6 +64,11 @@ impl Symbolic {
         self.structure.entries()
     }
 
+    /// Entries that the factorisation holds beside those of L.
+    pub fn waiting_entries(&self) -> usize {
+        self.structure.waiting_entries()
+    }
+
     /// Multiplications and additions of the numeric factorisation: w³/3 + w²r + wr² for each
     /// supernode of w columns with r rows below them.
     pub fn flops(&self) -> f64 {

@@ -62,6 +62,11 @@ impl Symbolic {
         2 * self.structure.entries()
     }
 
+    /// Entries that the factorisation holds beside those of L and U.
+    pub fn waiting_entries(&self) -> usize {
+        self.structure.waiting_entries()
+    }
+
     /// Multiplications and additions of the numeric factorisation.
     pub fn flops(&self) -> f64 {
         2.0 * self.structure.total_flops()

@@ -158,6 +158,18 @@ impl Supernodes {
             .collect()
     }
 
+    /// The most entries of updates that wait for their parents at a time, one subtree after the other.
+    pub fn waiting_entries(&self) -> usize {
+        let update = |s: usize| self.rows(s).len().pow(2);
+        let (mut waiting, mut most) = (0, 0);
+        for s in 0..self.n_supernodes() {
+            waiting += update(s);
+            most = most.max(waiting);
+            waiting -= self.children_from_last(s).map(update).sum::<usize>();
+        }
+        most
+    }
+
     /// Multiplications and additions to factorise a subtree.
     pub fn subtree_flops(&self, s: usize) -> f64 {
         self.flops[s]

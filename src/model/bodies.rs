@@ -85,6 +85,9 @@ impl Model {
     /// The region in which each of these points lies; on the line between two, the first one.
     pub(super) fn label(&self, leader: usize, positions: &[[f64; 2]]) -> Vec<u32> {
         let members: Vec<usize> = self.members(leader).collect();
+        if members.len() == 1 {
+            return vec![leader as u32; positions.len()];
+        }
         let outlines = self.outlines(&members);
         let region = |&x: &[f64; 2]| {
             let inside = outlines.iter().position(|outline| outline.contains(x));

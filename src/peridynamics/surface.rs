@@ -109,14 +109,18 @@ impl Surface {
     /// Multiplies the stiffness of every bond by its factor. `positions`: of the points, whose nodes
     /// count from `first_node` [m].
     pub fn correct(&self, bonds: &mut Springs, positions: &[[f64; 2]], first_node: u32) {
-        let factor = |pair: &[u32; 2]| {
-            let [a, b] = pair.map(|node| positions[(node - first_node) as usize]);
-            self.factor(a, b)
+        let is_whole = |&position| self.completeness[self.sites.nearest(position)] == WHOLE;
+        let is_whole: Vec<bool> = positions.par_iter().map(is_whole).collect();
+        let correct = |(stiffness, pair): (&mut f64, &[u32; 2])| {
+            let ends = pair.map(|node| (node - first_node) as usize);
+            if !ends.iter().all(|&point| is_whole[point]) {
+                let [a, b] = ends.map(|point| positions[point]);
+                *stiffness *= self.factor(a, b);
+            }
         };
-        let factors: Vec<f64> = bonds.pairs().par_iter().map(factor).collect();
-        for (stiffness, factor) in bonds.stiffness.iter_mut().zip(factors) {
-            *stiffness *= factor;
-        }
+        let (pairs, stiffness) = bonds.pairs_mut();
+        let bonds = stiffness.par_iter_mut().zip(pairs);
+        bonds.with_min_len(1024).for_each(correct);
     }
 }
 

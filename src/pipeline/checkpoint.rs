@@ -28,7 +28,7 @@ struct StoredState {
     displacement: Vec<[f64; 2]>,
     reaction: Vec<[f64; 2]>,
     residual: f64,
-    size: Option<[usize; 3]>,
+    size: Option<[usize; 4]>,
     #[serde(with = "bits")]
     intact: Vec<bool>,
     fragments: Vec<Vec<usize>>,
@@ -80,9 +80,7 @@ impl From<&State> for StoredState {
             displacement: state.displacement.clone(),
             reaction: state.reaction.clone(),
             residual: state.residual,
-            size: state
-                .size
-                .map(|size| [size.dofs, size.stiffness_entries, size.factor_entries]),
+            size: state.size.map(SystemSize::numbers),
             intact: state.intact.clone(),
             fragments: state.fragments.clone(),
             load_lost: state.load_lost,
@@ -114,13 +112,7 @@ impl From<StoredState> for State {
             displacement: stored.displacement,
             reaction: stored.reaction,
             residual: stored.residual,
-            size: stored
-                .size
-                .map(|[dofs, stiffness_entries, factor_entries]| SystemSize {
-                    dofs,
-                    stiffness_entries,
-                    factor_entries,
-                }),
+            size: stored.size.map(SystemSize::from_numbers),
             intact: stored.intact,
             fragments: stored.fragments,
             load_lost: stored.load_lost,

@@ -158,6 +158,7 @@ mod tests {
             dofs: 10,
             stiffness_entries: 40,
             factor_entries: 100,
+            method: crate::statics::Method::Direct,
         };
         let memory = costs.memory(size);
         assert_eq!(

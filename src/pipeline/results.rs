@@ -108,6 +108,7 @@ impl Outcome<'_> {
                 "overlap_elements": model.splice.as_ref().map_or(0, |s| s.overlap.len()),
                 "dofs": self.solved.solution.size.dofs,
                 "stiffness_entries": self.solved.solution.size.stiffness_entries,
+                "method": self.solved.solution.size.method.describe(),
                 "factor_entries": self.solved.solution.size.factor_entries,
             },
             "lattices": model.points.iter().map(|p| self.lattice_summary(p)).collect::<Vec<_>>(),

@@ -23,7 +23,7 @@ use crate::gmsh::{self, Extract, GmshError};
 use crate::model::Model;
 use crate::output::{WriteError, write_whole};
 use crate::phases::{Phases, peak_memory};
-use crate::statics::{self, Solution, StaticsError};
+use crate::statics::{self, Method, Solution, StaticsError};
 use crate::trace::{Kind, Trace};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -368,7 +368,10 @@ impl Run<'_> {
             ..Costs::default()
         };
         let solved = match &self.plan.loading {
-            None => solve_once(model, boundary, &mut costs.phases)?,
+            None => {
+                let method = self.options.resolution.method();
+                solve_once(model, boundary, method, &mut costs.phases)?
+            }
             Some(loading) => self.break_apart(loading, model, &recipe, &mut costs)?,
         };
         costs.peak_memory = peak_memory();
@@ -593,8 +596,13 @@ impl Run<'_> {
     }
 }
 
-fn solve_once(model: &Model, boundary: &Boundary, phases: &mut Phases) -> Result<Solved, RunError> {
-    let solution = statics::solve(model, boundary, phases)?;
+fn solve_once(
+    model: &Model,
+    boundary: &Boundary,
+    method: Option<Method>,
+    phases: &mut Phases,
+) -> Result<Solved, RunError> {
+    let solution = statics::solve_by(model, boundary, method, phases)?;
     Ok(Solved {
         solution,
         intact: model.intact.clone(),

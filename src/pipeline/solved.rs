@@ -34,7 +34,7 @@ pub(super) struct StoredSolution {
     displacement: Vec<[f64; 2]>,
     reaction: Vec<[f64; 2]>,
     residual: f64,
-    size: [usize; 3],
+    size: [usize; 4],
     #[serde(with = "bits")]
     intact: Vec<bool>,
     fracture: Option<StoredFracture>,
@@ -53,11 +53,6 @@ pub(super) struct StoredFracture {
 
 impl From<&Solved> for StoredSolution {
     fn from(solved: &Solved) -> StoredSolution {
-        let SystemSize {
-            dofs,
-            stiffness_entries,
-            factor_entries,
-        } = solved.solution.size;
         let fracture = |course: &Course| StoredFracture {
             history: course.history.clone(),
             frames: course.frames.clone(),
@@ -69,7 +64,7 @@ impl From<&Solved> for StoredSolution {
             displacement: solved.solution.displacement.clone(),
             reaction: solved.solution.reaction.clone(),
             residual: solved.solution.residual,
-            size: [dofs, stiffness_entries, factor_entries],
+            size: solved.solution.size.numbers(),
             intact: solved.intact.clone(),
             fracture: solved.fracture.as_ref().map(fracture),
         }
@@ -78,16 +73,11 @@ impl From<&Solved> for StoredSolution {
 
 impl From<StoredSolution> for Solved {
     fn from(stored: StoredSolution) -> Solved {
-        let [dofs, stiffness_entries, factor_entries] = stored.size;
         let solution = Solution {
             displacement: stored.displacement,
             reaction: stored.reaction,
             residual: stored.residual,
-            size: SystemSize {
-                dofs,
-                stiffness_entries,
-                factor_entries,
-            },
+            size: SystemSize::from_numbers(stored.size),
         };
         let course = |stored: StoredFracture| Course {
             history: stored.history,

@@ -1,11 +1,14 @@
 //! What of K stays the same while bonds break: the elements' part, the pattern, the structure of the
 //! factors. Symmetric for most couplings, full for the splice.
 
+mod cells;
+
 use crate::assembly::full::{Equations, FullPattern};
 use crate::assembly::stiffness::Stiffness;
 use crate::assembly::{ElementStiffness, Lists, Pattern};
 use crate::linear_solver::ordering::{Ordering, elimination_order};
-use crate::linear_solver::{Factor, SolverError, cholesky, lu};
+use crate::linear_solver::two_level::TwoLevel;
+use crate::linear_solver::{Factor, Method, SolverError, cholesky, expected_factor_entries, lu};
 use crate::model::Model;
 use crate::phases::Phases;
 use crate::springs::Springs;
@@ -14,7 +17,7 @@ pub(super) enum Structure {
     Symmetric {
         elements: Vec<ElementStiffness>,
         pattern: Pattern,
-        symbolic: cholesky::Symbolic,
+        way: Way,
     },
     Full {
         equations: Vec<Equations>,
@@ -23,23 +26,41 @@ pub(super) enum Structure {
     },
 }
 
+/// How a symmetric K is solved with.
+pub(super) enum Way {
+    Direct(cholesky::Symbolic),
+    /// The cells of the nodes in which they may share an aggregate.
+    TwoLevel(Vec<u32>),
+}
+
 impl Structure {
+    /// `method`: where K is symmetric; `None`: whichever its size suggests.
+    ///
     /// # Errors
     /// [`SolverError::Ordering`], [`SolverError::OutOfMemory`].
-    pub(super) fn new(model: &Model, phases: &mut Phases) -> Result<Structure, SolverError> {
+    pub(super) fn new(
+        model: &Model,
+        method: Option<Method>,
+        phases: &mut Phases,
+    ) -> Result<Structure, SolverError> {
         let nodes = model.node_count();
         let Some(splice) = &model.splice else {
             let elements = phases.measure("elements", || model.element_stiffness());
             let pattern =
                 phases.measure("pattern", || Pattern::new(nodes, &model.springs, &elements));
-            let order = phases.measure("ordering", || order(&pattern.graph))?;
-            let symbolic = phases.measure("symbolic", || {
-                cholesky::Symbolic::with_order(pattern.symbolic(), &order)
-            });
+            let way = match method.unwrap_or_else(|| Method::choose(&pattern.graph)) {
+                Method::Direct => {
+                    let order = phases.measure("ordering", || order(&pattern.graph))?;
+                    Way::Direct(phases.measure("symbolic", || {
+                        cholesky::Symbolic::with_order(pattern.symbolic(), &order)
+                    }))
+                }
+                Method::TwoLevel => Way::TwoLevel(cells::cells(model)),
+            };
             return Ok(Structure::Symmetric {
                 elements,
                 pattern,
-                symbolic,
+                way,
             });
         };
         let equations = phases.measure("elements", || model.equations(splice));
@@ -58,30 +79,73 @@ impl Structure {
         })
     }
 
-    /// K with these springs.
-    pub(super) fn assemble(&self, positions: &[[f64; 2]], springs: &Springs) -> Stiffness {
+    /// K with the springs that are intact.
+    pub(super) fn assemble(
+        &self,
+        positions: &[[f64; 2]],
+        springs: &Springs,
+        intact: &[bool],
+    ) -> Stiffness {
+        let is_intact = |spring: usize| intact[spring];
         match self {
             Structure::Symmetric {
                 elements, pattern, ..
-            } => Stiffness::Symmetric(pattern.assemble(positions, springs, elements)),
+            } => Stiffness::Symmetric(
+                pattern.assemble_intact(positions, springs, is_intact, elements),
+            ),
             Structure::Full {
                 equations, pattern, ..
-            } => Stiffness::Full(pattern.assemble(positions, springs, equations)),
+            } => Stiffness::Full(pattern.assemble_intact(positions, springs, is_intact, equations)),
         }
     }
 
+    /// What to solve with, given which dofs are held.
+    ///
     /// # Errors
     /// [`SolverError::NotPositiveDefinite`] or [`SolverError::Singular`] for a mechanism,
     /// [`SolverError::OutOfMemory`].
-    pub(super) fn factorise(&self, stiffness: &Stiffness) -> Result<Factor, SolverError> {
-        match (self, stiffness) {
-            (Structure::Symmetric { symbolic, .. }, Stiffness::Symmetric(lower)) => {
-                symbolic.factorise(lower).map(Factor::Cholesky)
-            }
+    pub(super) fn factorise(
+        &self,
+        positions: &[[f64; 2]],
+        stiffness: &Stiffness,
+        is_held: &[bool],
+        phases: &mut Phases,
+    ) -> Result<Factor, SolverError> {
+        if let Structure::Symmetric {
+            pattern,
+            way: Way::TwoLevel(cells),
+            ..
+        } = self
+            && let Stiffness::Symmetric(lower) = stiffness
+        {
+            let solver = phases.measure("factorisation", || {
+                TwoLevel::new(lower, &pattern.graph, cells, positions, is_held)
+            });
+            return Ok(Factor::TwoLevel(Box::new(solver?)));
+        }
+        let held = phases.measure("supports", || stiffness.hold(is_held));
+        phases.measure("factorisation", || match (self, &held) {
+            (
+                Structure::Symmetric {
+                    way: Way::Direct(symbolic),
+                    ..
+                },
+                Stiffness::Symmetric(lower),
+            ) => symbolic.factorise(lower).map(Factor::Cholesky),
             (Structure::Full { symbolic, .. }, Stiffness::Full(full)) => symbolic
                 .factorise(full)
                 .map(|factor| Factor::Lu(Box::new(factor))),
             _ => unreachable!("a structure assembles its own form"),
+        })
+    }
+
+    pub(super) fn method(&self) -> Method {
+        match self {
+            Structure::Symmetric {
+                way: Way::TwoLevel(_),
+                ..
+            } => Method::TwoLevel,
+            _ => Method::Direct,
         }
     }
 
@@ -93,27 +157,55 @@ impl Structure {
         }
     }
 
-    /// Stored entries of L, or of L and U as long as pivots stay within their supernodes.
+    /// Stored entries of L, or of L and U as long as pivots stay within their supernodes; zero where there
+    /// is none.
     pub(super) fn factor_entries(&self) -> usize {
         match self {
-            Structure::Symmetric { symbolic, .. } => symbolic.factor_entries(),
+            Structure::Symmetric {
+                way: Way::Direct(symbolic),
+                ..
+            } => symbolic.factor_entries(),
+            Structure::Symmetric { .. } => 0,
             Structure::Full { symbolic, .. } => symbolic.factor_entries(),
         }
+    }
+
+    /// Entries that a factorisation holds beside those of its factors.
+    pub(super) fn waiting_entries(&self) -> usize {
+        match self {
+            Structure::Symmetric {
+                way: Way::Direct(symbolic),
+                ..
+            } => symbolic.waiting_entries(),
+            Structure::Symmetric { .. } => 0,
+            Structure::Full { symbolic, .. } => symbolic.waiting_entries(),
+        }
+    }
+
+    /// What L of the coarse level may have: a guess, aggregates being all connected to those around them.
+    pub(super) fn expected_coarse_entries(&self) -> usize {
+        let Structure::Symmetric {
+            way: Way::TwoLevel(cells),
+            ..
+        } = self
+        else {
+            return 0;
+        };
+        let is_first = |&(node, cell): &(usize, &u32)| node == *cell as usize;
+        let aggregates = cells.iter().enumerate().filter(is_first).count();
+        // Eight around each, four dofs for two.
+        (4.0 * expected_factor_entries(aggregates, 8 * aggregates)) as usize
     }
 
     /// Multiplications and additions of a factorisation, under the same condition.
     pub(super) fn flops(&self) -> f64 {
         match self {
-            Structure::Symmetric { symbolic, .. } => symbolic.flops(),
+            Structure::Symmetric {
+                way: Way::Direct(symbolic),
+                ..
+            } => symbolic.flops(),
+            Structure::Symmetric { .. } => 0.0,
             Structure::Full { symbolic, .. } => symbolic.flops(),
-        }
-    }
-
-    /// Indices of the springs with stiffness at a node.
-    pub(super) fn springs_at(&self, node: usize) -> &[u32] {
-        match self {
-            Structure::Symmetric { pattern, .. } => pattern.springs_at(node),
-            Structure::Full { pattern, .. } => pattern.springs_at(node),
         }
     }
 }

@@ -29,7 +29,7 @@ impl Square {
         };
         let lattice = lattice(&outline, &[], &settings.lattice);
         let micromodulus = settings.micromodulus(&super::bodies::material(1.0), PlaneState::Stress);
-        let bonds = bonds(&lattice.positions, &lattice.areas, &micromodulus, 1.0, 0);
+        let bonds = bonds(&lattice, &micromodulus, 1.0, 0);
         Square {
             lattice,
             bonds,

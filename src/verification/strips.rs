@@ -30,7 +30,7 @@ pub fn corrected(
     let spacing = micromodulus.spacing;
     let cells = LatticeSettings::upright(spacing, Placement::CellCentred, CellArea::Clipped);
     let points = lattice(region, &[], &cells);
-    let mut bonds = bonds(&points.positions, &points.areas, micromodulus, 1.0, 0);
+    let mut bonds = bonds(&points, micromodulus, 1.0, 0);
     let surface = Surface::new(correction, region, body, &cells, micromodulus)?;
     surface.correct(&mut bonds, &points.positions, 0);
     Ok((points, bonds))

@@ -5,10 +5,12 @@
 
 mod active_zone;
 pub mod control;
+mod corridor;
 mod dense;
 pub mod event;
 pub mod failure;
 pub mod functional;
+mod gone;
 pub mod programme;
 pub mod response;
 pub mod state;

@@ -3,7 +3,7 @@
 //! gradients where factors would be too large.
 
 pub mod cholesky;
-mod compliance;
+pub mod compliance;
 mod elimination_tree;
 mod kernels;
 pub mod lu;

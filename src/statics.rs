@@ -5,6 +5,7 @@ mod structure;
 
 use crate::assembly::stiffness::Stiffness;
 use crate::boundary::Boundary;
+use crate::linear_solver::compliance::UnitLoads;
 use crate::linear_solver::{Factor, SolverError};
 use crate::model::Model;
 use crate::phases::Phases;
@@ -417,19 +418,12 @@ impl Factorised {
         self.system.is_held[dof]
     }
 
-    /// Eᵀ K⁻¹ E of these dofs [m/N], without motion at held ones; from Cholesky's factor only.
-    pub fn compliance(&self, dofs: &[usize]) -> Option<Mat<f64>> {
+    /// L⁻¹ E of these dofs, nothing for held ones; from Cholesky's factor only.
+    pub fn unit_loads(&self, dofs: &[usize]) -> Option<UnitLoads> {
         let Factor::Cholesky(factor) = &self.factor else {
             return None;
         };
-        let mut compliance = factor.compliance(dofs);
-        for (k, &dof) in dofs.iter().enumerate() {
-            if self.is_held(dof) {
-                compliance.row_mut(k).fill(0.0);
-                compliance.col_mut(k).fill(0.0);
-            }
-        }
-        Some(compliance)
+        Some(factor.unit_loads(dofs, |dof| !self.is_held(dof)))
     }
 
     /// The place of a dof in the order of elimination, of Cholesky's factor.

@@ -19,7 +19,11 @@ use peristitch::mesh::{CellKind, Edge};
 use peristitch::model::{Method, Model, PeridynamicSettings};
 use peristitch::peridynamics::lattice::Placement;
 use peristitch::phases::Phases;
+use peristitch::pipeline::plan::Plan;
+use peristitch::pipeline::run::{Options, discretised};
+use peristitch::pipeline::validate::{limits, programme};
 use peristitch::statics::StaticsError;
+use std::path::Path;
 
 const DX: f64 = 2.5e-3;
 
@@ -204,6 +208,96 @@ fn compare(
         "reaction",
     );
     [fast.factorisations, reference.factorisations]
+}
+
+/// The plate of Qian et al. (2021), section 4.2, event-driven.
+fn plate_mode_i(spacing: &str) -> ((Model, Limits), Programme) {
+    let pipeline = Path::new(env!("CARGO_MANIFEST_DIR")).join("pipelines/plate_mode_i.yaml");
+    let settings = [
+        format!("regions.1.spacing={spacing}"),
+        "loading.control=event-driven".to_owned(),
+    ];
+    let plan = Plan::read(&pipeline, &settings, None).expect("a sound pipeline");
+    let mut options = Options::default();
+    options.gmsh.worker = Some(env!("CARGO_BIN_EXE_peristitch").into());
+    let (model, _, _) = discretised(&plan, &options).expect("a sound mesh");
+    let programme = programme(&plan, &model).expect("sound loads");
+    let limits = limits(&plan, &model);
+    ((model, limits), programme)
+}
+
+/// The whole way to the separation, and what a factorisation of all that is left says at every
+/// twentieth event: the same load factor, and the same bonds break next. The events between are from the
+/// same zones.
+#[test]
+fn the_plate_of_section_4_2_event_driven() {
+    let ((model, limits), programme) = plate_mode_i("0.5 mm");
+    let problem = |steps, resolution| Problem {
+        model: &model,
+        programme: &programme,
+        limits: &limits,
+        control: Control::EventDriven,
+        until: Until {
+            steps,
+            separated: true,
+        },
+        resolution,
+    };
+    let mut state = State::new(&model, &programme);
+    let mut phases = Phases::default();
+    let (mut samples, mut loads, mut largest) = (vec![state.clone()], vec![0.0], 0.0f64);
+    let observe = |state: &State, record: Record, _: &Response| {
+        loads.push(state.load.factor);
+        largest = largest.max(record.residual);
+        if state.step % 20 == 0 {
+            samples.push(state.clone());
+        }
+        Ok::<(), StaticsError>(())
+    };
+    let fast = problem(usize::MAX, Resolution::Fast);
+    let ending = control::run(&fast, &mut state, &mut phases, observe).expect("no error");
+    assert_eq!(
+        (ending, state.step, state.broken.len()),
+        (Ending::Separated, 816, 3222)
+    );
+    // The bound of the drift.
+    assert!(largest <= 1e-11, "residual {largest:e}");
+    let count = |name: &str| {
+        phases
+            .list
+            .iter()
+            .find(|p| p.name == name)
+            .map_or(0, |p| p.count)
+    };
+    let (zones, factorisations) = (count("active zone"), count("factorisation"));
+    assert!(zones > 1 && factorisations < 20, "{zones} {factorisations}");
+    for mut sample in samples {
+        let next = sample.step + 1;
+        let reference = problem(next, Resolution::Reference);
+        let nothing = |_: &State, _: Record, _: &Response| Ok::<(), StaticsError>(());
+        control::run(&reference, &mut sample, &mut Phases::default(), nothing).expect("no error");
+        assert!(sample.step == next || sample.step == state.step);
+        let (factor, expected) = (loads[sample.step], sample.load.factor);
+        assert!(
+            (factor - expected).abs() <= 1e-9 * expected.abs(),
+            "event {}: {factor} {expected}",
+            sample.step
+        );
+        assert_eq!(
+            sample.broken,
+            state.broken[..sample.broken.len()],
+            "event {}",
+            sample.step
+        );
+    }
+}
+
+/// Every event of the first sixty, one by one.
+#[test]
+fn the_first_events_of_section_4_2() {
+    let (plate, programme) = plate_mode_i("0.5 mm");
+    let [fast, reference] = compare(&plate, &programme, Control::EventDriven, 60);
+    assert!(fast == 1 && reference == 60, "{fast} {reference}");
 }
 
 const CENTRE: [[f64; 2]; 2] = [[0.0375, 0.05], [0.0625, 0.05]];

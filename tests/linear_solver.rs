@@ -243,7 +243,7 @@ fn the_inverse_between_a_few_dofs_is_that_of_whole_solutions() {
     let rows: Vec<usize> = (0..90).map(|k| (k * 611 + (k % 3) * 17) % n).collect();
     let columns = &rows[20..70];
     let inverse = factor.inverse_between(&rows, columns);
-    let compliance = factor.compliance(columns);
+    let compliance = factor.unit_loads(columns, |_| true).square();
     for (j, &column) in columns.iter().enumerate() {
         let mut x = vec![0.0; n];
         x[column] = 1.0;

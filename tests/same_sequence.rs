@@ -3,19 +3,10 @@
 
 mod workplace;
 
-use serde::Deserialize;
+use peristitch::pipeline::fracture::Frame;
 use std::path::Path;
 use std::process::Command;
 use workplace::{BINARY, repository};
-
-/// As the solve stage keeps it.
-#[derive(Deserialize)]
-struct Frame {
-    step: usize,
-    load_factor: f64,
-    displacement: Vec<[f64; 2]>,
-    intact: Vec<bool>,
-}
 
 fn frames(pipeline: &str, settings: &[&str], is_reference: bool) -> Vec<Frame> {
     let results = tempfile::tempdir().expect("a temporary folder");

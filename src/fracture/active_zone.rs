@@ -11,52 +11,63 @@
 //! d vanishes where the bond was the last to hold something: there the look ahead ends, and the
 //! factorisation that follows finds out what.
 //!
-//! The next event is sought among the bonds of the zone alone. Now and then u is found everywhere, by
-//! one solution with the forces k (w·u) w of the bonds that are gone: all bonds outside must have stayed
-//! under [`MARGIN`] of their limits, under the loads of all events since the last such check and with
-//! the response at either end. Events behind a check that fails are dropped, and the next factorisation
-//! starts before them. A zone that cannot tell even the first event leaves it to the whole model.
+//! The next event is sought among the bonds of a zone alone, until one of those at its rim comes near to its
+//! limit. Then u is found everywhere, by one solution with the forces k (w·u) w of the bonds that are gone,
+//! and the next zone begins on the same factor (`gone.rs`), as long as that is cheaper than to factorise
+//! again ([`Costs`]).
+//!
+//! What is not seen is looked at afterwards. Bonds next to the zone must have stayed under [`MARGIN`] of
+//! their limits with the responses at [`LOOKS`] moments and under the loads of all events around each; those
+//! farther away with the responses at both ends and under all loads between. Between two looks a bond
+//! outside is not followed. Events behind a look that fails are dropped. A zone that cannot tell even its
+//! first event leaves it to the whole model.
 
 use super::control::{Problem, TIE};
+use super::corridor;
 use super::event::{Bounds, Event, Load, is_at_limit};
-use super::functional::Values;
+use super::functional::{Values, fields};
+use super::gone::{Gone, Start};
 use super::response::Solutions;
 use super::state::State;
 use super::zone::{Front, Zone};
-use crate::boundary::Boundary;
 use crate::statics::{Factorised, Solution};
 use rayon::prelude::*;
 
 /// Bonds outside the zone that come nearer to their limit are not outside.
 const MARGIN: f64 = 0.95;
 
+/// A zone is used up when a bond at its rim comes nearer than this to its limit, or than halfway to
+/// [`MARGIN`] from where it was.
+const RIM: f64 = 0.93;
+
+/// Looks at the bonds next to a zone while it lasts.
+const LOOKS: usize = 4;
+
 /// The largest relative residual that the updates may leave.
 const DRIFT: f64 = 1e-11;
 
-/// Events up to the first check; the distance doubles while checks succeed.
-const FIRST_CHECK: usize = 8;
-
 /// One event to come.
 pub struct Moment {
-    /// u_held and u_unit on the zone before it [m].
-    displacement: [Vec<f64>; 2],
     pub values: Values,
     /// How many springs have gone before it.
     gone: usize,
     pub load: Load,
     /// The bonds that break, ascending.
     pub bonds: Vec<usize>,
+    /// Their stretches before and after, under what is held and per unit of λ.
+    before: Vec<[f64; 2]>,
+    after: Vec<[f64; 2]>,
 }
 
 /// The events to come.
 pub struct Ahead {
     factorised: Factorised,
-    zone: Zone,
+    gone: Gone,
     moments: Vec<Moment>,
-    /// Springs in the order in which they go.
-    gone: Vec<usize>,
-    /// The largest relative residual at the checks.
+    /// The largest relative residual between zones.
     pub residual: f64,
+    /// How many zones it took.
+    pub zones: usize,
 }
 
 impl Ahead {
@@ -68,11 +79,16 @@ impl Ahead {
         &self.moments[k]
     }
 
-    /// Stretches of a spring of the zone, under what is held and per unit of λ.
+    /// Stretches of a spring that breaks in an event or broke in the one before, under what is held and per
+    /// unit of λ.
     pub fn stretches(&self, moment: usize, spring: usize) -> Option<[f64; 2]> {
-        let place = self.zone.place(spring)?;
-        let u = &self.moments[moment].displacement;
-        Some(self.zone.stretches(place, u))
+        let find = |m: &Moment, of: fn(&Moment) -> &Vec<[f64; 2]>| {
+            let place = m.bonds.binary_search(&spring).ok()?;
+            Some(of(m)[place])
+        };
+        let before = moment.checked_sub(1).map(|k| &self.moments[k]);
+        find(&self.moments[moment], |m| &m.before)
+            .or_else(|| before.and_then(|m| find(m, |m| &m.after)))
     }
 
     /// u_held and u_unit everywhere.
@@ -83,45 +99,15 @@ impl Ahead {
         base: &Solutions,
         moment: usize,
     ) -> Solutions {
-        let moment = &self.moments[moment];
-        let gone = &self.gone[..moment.gone];
-        let u = &moment.displacement;
-        recover(problem, phase, &self.factorised, &self.zone, base, u, gone)
+        let gone = self.moments[moment].gone;
+        let found = self
+            .gone
+            .solutions(problem, phase, &self.factorised, base, gone);
+        found.expect("all moments are held")
     }
 }
 
-/// u_held and u_unit everywhere from the zone's, with the springs that have gone.
-fn recover(
-    problem: &Problem,
-    phase: usize,
-    factorised: &Factorised,
-    zone: &Zone,
-    base: &Solutions,
-    u: &[Vec<f64>; 2],
-    gone: &[usize],
-) -> Solutions {
-    let elongation = |case: usize| {
-        let of = |spring: &usize| {
-            let place = zone.place(*spring).expect("only springs of the zone go");
-            (*spring, zone.elongation(place, &u[case]))
-        };
-        gone.iter().map(of).collect::<Vec<_>>()
-    };
-    let (model, programme) = (problem.model, problem.programme);
-    let unit = &programme.phases[phase].boundary;
-    let held = (base.held.as_ref()).zip(programme.held(phase));
-    let after = |case: usize, boundary: &Boundary, before: &Solution| {
-        let change = factorised.respond_to_loss(model, &elongation(case));
-        let case = (boundary, factorised.scale(boundary));
-        factorised.without(model, case, before, &change, gone)
-    };
-    Solutions {
-        unit: after(1, unit, &base.unit),
-        held: held.map(|(u, case)| after(0, &case, u)),
-    }
-}
-
-/// What follows from `load`, the first event; `None` where the zone cannot tell.
+/// What follows from `load`, the first event; `None` where not even that can be told.
 pub fn look_ahead(
     problem: &Problem,
     state: &State,
@@ -130,148 +116,336 @@ pub fn look_ahead(
     values: &Values,
     load: Load,
 ) -> Option<Ahead> {
-    let zone = Zone::new(problem, state, base, load);
-    let front = Front::new(problem, state, &factorised, &zone, base, values)?;
+    let functionals = &problem.programme.functionals;
+    let mut costs = Costs::new(&factorised);
     let mut scout = Scout {
         problem,
-        state,
-        outside: zone.outside(&state.intact),
+        phase: state.phase,
+        load: state.load,
+        left: problem.until.steps - state.step,
+        intact: state.intact.clone(),
+        fields: fields(functionals, &factorised, factorised.dofs()),
+        base,
         ahead: Ahead {
             factorised,
-            zone,
+            gone: Gone::default(),
             moments: Vec::new(),
-            gone: Vec::new(),
             residual: 0.0,
+            zones: 0,
         },
-        ends: Vec::new(),
-        base,
     };
-    let sound = scout.explore(front);
-    let Scout { mut ahead, .. } = scout;
-    ahead.moments.truncate(sound);
-    (sound > 0).then_some(ahead)
+    let mut here = Here {
+        solutions: base.clone(),
+        values: values.clone(),
+        load,
+    };
+    while let Some((next, cost)) = scout.cross(here, costs.dofs) {
+        scout.ahead.zones += 1;
+        costs.add(cost, scout.ahead.gone.order.len());
+        match next {
+            Some(next) if !costs.is_due(scout.ahead.gone.touched()) => here = next,
+            _ => break,
+        }
+    }
+    (scout.ahead.count() > 0).then_some(scout.ahead)
+}
+
+/// When the next factorisation is due: as soon as the next zone would cost more per bond than all since the
+/// last one have on average, that one included. From counts alone, in multiplications of a dense product.
+struct Costs {
+    /// Dofs of a zone.
+    dofs: usize,
+    /// More touched dofs than these would take more memory than the factor.
+    most_touched: f64,
+    spent: f64,
+    bonds: usize,
+    /// Of the last zone: its cost apart from what is gone, and bonds.
+    last: [f64; 2],
+}
+
+/// A sparse factorisation runs at some fifth of the rate of a dense product, a solution at a hundredth
+/// (docs/performance.md).
+const FACTORISATION: f64 = 4.0;
+const ASSEMBLY: f64 = 200.0;
+const SOLUTION: f64 = 100.0;
+
+/// The dofs of a zone: per bond they cost n², and the solutions at its end 1/n. The third root is the
+/// optimum, its factor measured.
+const DOFS: f64 = 30.0;
+const FEWEST_DOFS: f64 = 1200.0;
+
+impl Costs {
+    fn new(factorised: &Factorised) -> Costs {
+        let (entries, flops) = (factorised.entries as f64, factorised.flops);
+        Costs {
+            dofs: (DOFS * entries).cbrt().max(FEWEST_DOFS) as usize,
+            most_touched: entries.sqrt(),
+            spent: FACTORISATION * flops + ASSEMBLY * entries,
+            bonds: 0,
+            last: [0.0; 2],
+        }
+    }
+
+    fn add(&mut self, cost: f64, bonds: usize) {
+        self.spent += cost;
+        self.last = [cost, (bonds - self.bonds) as f64];
+        self.bonds = bonds;
+    }
+
+    fn is_due(&self, touched: usize) -> bool {
+        let touched = touched as f64;
+        let [cost, bonds] = self.last;
+        let next = cost + touched * touched * touched;
+        next * self.bonds as f64 > self.spent * bonds || touched > self.most_touched
+    }
+}
+
+/// Where a zone begins.
+struct Here {
+    solutions: Solutions,
+    values: Values,
+    /// Breaks the next bond.
+    load: Load,
 }
 
 /// A look ahead while it goes on.
 struct Scout<'a> {
     problem: &'a Problem<'a>,
-    state: &'a State,
-    /// Intact springs that the zone does not see.
-    outside: Vec<usize>,
+    phase: usize,
+    /// Of the last event.
+    load: Load,
+    /// Events that the run may still take.
+    left: usize,
+    intact: Vec<bool>,
+    /// v of the functionals when K was factorised.
+    fields: Vec<Vec<f64>>,
+    base: &'a Solutions,
     ahead: Ahead,
+}
+
+/// A zone while it lasts.
+struct Crossing<'a> {
+    zone: &'a Zone,
+    start: &'a Start,
+    moments: Vec<Moment>,
     /// u_held and u_unit on the zone behind each event.
     ends: Vec<[Vec<f64>; 2]>,
-    base: &'a Solutions,
+    order: Vec<usize>,
 }
 
 impl Scout<'_> {
-    /// Goes on until a check fails or there is nothing more to foresee; returns how many events are
-    /// beyond doubt.
-    fn explore(&mut self, mut front: Front) -> usize {
-        let (mut sound, mut distance) = (0, FIRST_CHECK);
-        let mut last = self.base.clone();
-        loop {
-            let goal = sound + distance;
-            let mut goes_on = true;
-            while goes_on && self.ahead.moments.len() < goal {
-                goes_on = self.advance(&mut front);
-            }
-            let mut reached = self.ahead.moments.len();
-            let first = reached;
-            // Halves the distance to what is beyond doubt until a check succeeds.
-            while reached > sound {
-                match self.check(sound, reached, &last) {
-                    Some(solutions) => {
-                        last = solutions;
-                        sound = reached;
-                    }
-                    None => reached = sound + (reached - sound) / 2,
-                }
-                if reached == sound {
-                    break;
-                }
-            }
-            if sound < first || !goes_on {
-                return sound;
-            }
-            distance *= 2;
-        }
-    }
-
-    /// One more event; whether others may follow.
-    fn advance(&mut self, front: &mut Front) -> bool {
-        let Ahead {
-            zone,
-            moments,
-            gone,
-            ..
-        } = &mut self.ahead;
-        let phase = &self.problem.programme.phases[self.state.phase];
-        let last = moments.last().map_or(self.state.load, |m: &Moment| m.load);
-        let bounds = zone.fold(
-            front,
-            Bounds::NONE,
-            |stretches, limit| Bounds::of(stretches, limit, last.factor),
-            Bounds::and,
-        );
-        let Event::Break(load) = bounds.event(last.factor, phase.end) else {
-            return false;
-        };
-        let bonds = zone.filter(front, |stretches, limit| {
-            is_at_limit(stretches, limit, load, TIE)
-        });
-        moments.push(Moment {
-            displacement: front.displacement.clone(),
-            values: front.values.clone(),
-            gone: gone.len(),
+    /// One zone: where the next one begins, if there is an event, and what it has cost; `None` if it could
+    /// not tell its first event.
+    fn cross(&mut self, here: Here, dofs: usize) -> Option<(Option<Here>, f64)> {
+        let Here {
+            solutions,
+            values,
             load,
-            bonds: bonds.clone(),
-        });
-        let held = bonds.iter().all(|&bond| front.release(zone, bond));
-        gone.extend(bonds);
-        self.ends.push(front.displacement.clone());
-        held
-    }
-
-    /// The solution behind `to` events, if all bonds outside stay under their limits until then; `last`
-    /// is the one behind `from` of them.
-    fn check(&mut self, from: usize, to: usize, last: &Solutions) -> Option<Solutions> {
-        let gone = match self.ahead.moments.get(to) {
-            Some(next) => next.gone,
-            None => self.ahead.gone.len(),
+        } = here;
+        let problem = self.problem;
+        let nodes = corridor::nodes(problem, &self.intact, &solutions, load, dofs / 2);
+        let zone = Zone::new(problem, &self.intact, &nodes);
+        let start = (self.ahead.gone).start(&self.ahead.factorised, &zone, self.base)?;
+        let on_zone = self.fields.iter();
+        let on_zone = on_zone
+            .map(|v| start.field(&self.ahead.gone, &zone, v))
+            .collect();
+        let mut front = Front::new(&zone, start.compliance(), &solutions, on_zone, values);
+        let mut crossing = Crossing {
+            zone: &zone,
+            start: &start,
+            moments: Vec::new(),
+            ends: Vec::new(),
+            order: Vec::new(),
         };
-        let Ahead {
-            factorised,
-            zone,
-            moments,
-            gone: springs,
-            ..
-        } = &self.ahead;
-        let u = &self.ends[to - 1];
-        let phase = self.state.phase;
-        let solutions = recover(
-            self.problem,
-            phase,
-            factorised,
-            zone,
-            self.base,
-            u,
-            &springs[..gone],
-        );
-        let loads: Vec<Load> = moments[from..to].iter().map(|m| m.load).collect();
-        let nearest = [last, &solutions].map(|u| self.utilisation_outside(u, &loads));
-        let residual = solutions.residual();
-        // False for what is not a number.
-        let sound = residual <= DRIFT && nearest.iter().all(|&u| u < MARGIN);
-        if sound {
-            self.ahead.residual = self.ahead.residual.max(residual);
+        let goes_on = self.explore(&mut crossing, &mut front, load);
+        let first = self.ahead.gone.order.len();
+        let mut count = crossing.moments.len();
+        while count > 0 {
+            if let Err(fewer) = self.look(&crossing, &solutions, count) {
+                count = fewer;
+                continue;
+            }
+            let gone = crossing.gone(count);
+            self.ahead
+                .gone
+                .lose(problem, &zone, &start, &crossing.order[..gone]);
+            let found = self.ahead.gone.solutions(
+                problem,
+                self.phase,
+                &self.ahead.factorised,
+                self.base,
+                first + gone,
+            );
+            let sound = found.filter(|end| self.is_sound(&crossing, [&solutions, end], count));
+            let Some(end) = sound else {
+                self.ahead.gone.regain(first);
+                count /= 2;
+                continue;
+            };
+            let n = zone.dofs.len() as f64;
+            let entries = self.ahead.factorised.entries as f64;
+            let cost = start.flops + gone as f64 * n * n + (1 + LOOKS) as f64 * SOLUTION * entries;
+            let is_whole = count == crossing.moments.len();
+            self.accept(crossing, count, first);
+            self.ahead.residual = self.ahead.residual.max(end.residual());
+            let next = match is_whole && !goes_on {
+                true => None,
+                false => self.next(end),
+            };
+            return Some((next, cost));
         }
-        sound.then_some(solutions)
+        None
     }
 
-    /// A bound of the largest stretch over its limit outside the zone under any of the loads: convex in
+    /// Takes events until the zone is used up; whether others may follow from the same factor.
+    fn explore(&self, crossing: &mut Crossing, front: &mut Front, first: Load) -> bool {
+        let zone = crossing.zone;
+        let end = self.problem.programme.phases[self.phase].end;
+        let mut last = self.load;
+        let mut rim = RIM;
+        while crossing.moments.len() < self.left {
+            let stretches = zone.survey(front);
+            let bounds = stretches.iter().fold(Bounds::NONE, |bounds, &(k, s)| {
+                bounds.and(Bounds::of(s, zone.limit(k), last.factor))
+            });
+            let Event::Break(load) = bounds.event(last.factor, end) else {
+                return false;
+            };
+            let at_rim = stretches.iter().filter(|&&(k, _)| zone.is_at_rim(k));
+            let nearest = at_rim
+                .map(|&(k, s)| zone.limit(k).utilisation(load.combine(s)))
+                .fold(0.0, nan_max);
+            if crossing.moments.is_empty() {
+                rim = f64::max(RIM, 0.5 * (nearest + MARGIN));
+                // The zone must see what the whole model does.
+                let differs = |a: f64, b: f64| (a - b).abs() > 1e-6 * b.abs();
+                if differs(load.factor, first.factor) || differs(load.share, first.share) {
+                    return false;
+                }
+            }
+            // False for what is not a number.
+            let is_far = nearest < rim;
+            if !is_far {
+                return true;
+            }
+            let is_due = |&&(k, s): &&(usize, [f64; 2])| is_at_limit(s, zone.limit(k), load, TIE);
+            let due: Vec<(usize, [f64; 2])> = stretches.iter().filter(is_due).copied().collect();
+            let values = front.values.clone();
+            let bonds: Vec<usize> = due.iter().map(|&(k, _)| zone.springs[k]).collect();
+            if !bonds.iter().all(|&bond| front.release(zone, bond)) {
+                return false;
+            }
+            crossing.moments.push(Moment {
+                values,
+                gone: self.ahead.gone.order.len() + crossing.order.len(),
+                load,
+                before: due.iter().map(|&(_, s)| s).collect(),
+                after: due
+                    .iter()
+                    .map(|&(k, _)| zone.stretches(k, &front.displacement))
+                    .collect(),
+                bonds: bonds.clone(),
+            });
+            crossing.order.extend(bonds);
+            crossing.ends.push(front.displacement.clone());
+            last = load;
+        }
+        false
+    }
+
+    /// Looks at the bonds next to the zone while `count` events pass; or else how many are beyond doubt.
+    fn look(&self, crossing: &Crossing, start: &Solutions, count: usize) -> Result<(), usize> {
+        let moments: Vec<usize> = (1..LOOKS).map(|k| k * count / LOOKS).collect();
+        let mut moments: Vec<usize> = moments.into_iter().filter(|&k| k > 0).collect();
+        moments.dedup();
+        let looks = self.displacements(crossing, &moments);
+        let mut last = start;
+        let mut from = 0;
+        for (k, solutions) in looks.iter().enumerate() {
+            let to = moments[k];
+            let loads: Vec<Load> = crossing.moments[from..to].iter().map(|m| m.load).collect();
+            let ring = &crossing.zone.ring;
+            let is_under = [last, solutions]
+                .iter()
+                .all(|u| self.utilisation(ring, u, &loads) < MARGIN);
+            if !is_under {
+                return Err(from.min(to - 1));
+            }
+            (last, from) = (solutions, to);
+        }
+        let loads: Vec<Load> = crossing.moments[from..count]
+            .iter()
+            .map(|m| m.load)
+            .collect();
+        match self.utilisation(&crossing.zone.ring, last, &loads) < MARGIN {
+            true => Ok(()),
+            false => Err(from.min(count - 1)),
+        }
+    }
+
+    /// u_held and u_unit everywhere behind some numbers of events.
+    fn displacements(&self, crossing: &Crossing, counts: &[usize]) -> Vec<Solutions> {
+        let dofs = self.ahead.factorised.dofs();
+        let cases: Vec<usize> = (0..2)
+            .filter(|&c| c == 1 || self.base.held.is_some())
+            .collect();
+        let mut forces = vec![0.0; dofs * cases.len() * counts.len()];
+        let pairs = counts
+            .iter()
+            .flat_map(|&n| cases.iter().map(move |&c| (n, c)));
+        for ((count, case), all) in pairs.zip(forces.chunks_exact_mut(dofs)) {
+            let u = &crossing.ends[count - 1][case];
+            let gone = &crossing.order[..crossing.gone(count)];
+            let own = crossing.zone.forces(gone, u);
+            let gone = &self.ahead.gone;
+            crossing
+                .start
+                .add_forces(gone, crossing.zone, case, &own, all);
+        }
+        if !forces.is_empty() {
+            self.ahead
+                .factorised
+                .respond(&mut forces, cases.len() * counts.len());
+        }
+        let moved = |before: &Solution, change: &[f64]| Solution {
+            displacement: (before.displacement.iter().zip(change.chunks_exact(2)))
+                .map(|(u, c)| [u[0] + c[0], u[1] + c[1]])
+                .collect(),
+            reaction: Vec::new(),
+            residual: 0.0,
+            size: before.size,
+        };
+        let mut found = Vec::new();
+        for both in forces.chunks_exact(dofs * cases.len()) {
+            let (held, unit) = both.split_at(both.len() - dofs);
+            found.push(Solutions {
+                held: self.base.held.as_ref().map(|u| moved(u, held)),
+                unit: moved(&self.base.unit, unit),
+            });
+        }
+        found
+    }
+
+    /// Whether all bonds outside stay under their limits with the responses at both ends, of which the second
+    /// must be a solution.
+    fn is_sound(&self, crossing: &Crossing, ends: [&Solutions; 2], count: usize) -> bool {
+        let loads: Vec<Load> = crossing.moments[..count].iter().map(|m| m.load).collect();
+        let mut seen = crossing.zone.springs.iter().peekable();
+        let is_outside = |&spring: &usize| seen.next_if_eq(&&spring).is_none();
+        let intact = (0..self.intact.len()).filter(|&s| self.intact[s]);
+        let outside: Vec<usize> = intact.filter(is_outside).collect();
+        // False for what is not a number.
+        let is_exact = ends[1].residual() <= DRIFT;
+        is_exact
+            && ends
+                .iter()
+                .all(|u| self.utilisation(&outside, u, &loads) < MARGIN)
+    }
+
+    /// A bound of the largest stretch over its limit of some springs under any of the loads: convex in
     /// (μ, μ λ), so that it lies at a corner of their box.
-    fn utilisation_outside(&self, solutions: &Solutions, loads: &[Load]) -> f64 {
+    fn utilisation(&self, springs: &[usize], solutions: &Solutions, loads: &[Load]) -> f64 {
         let range = |of: fn(&Load) -> f64| {
             let all = || loads.iter().map(of);
             [
@@ -291,8 +465,52 @@ impl Scout<'_> {
                 .map(|(a, b)| limit.utilisation(a * held + b * unit))
                 .fold(0.0, f64::max)
         };
-        let all = self.outside.par_iter().map(largest);
+        let all = springs.par_iter().map(largest);
         all.reduce(|| 0.0, nan_max)
+    }
+
+    fn accept(&mut self, crossing: Crossing, count: usize, first: usize) {
+        let Ahead { gone, moments, .. } = &mut self.ahead;
+        for &spring in &gone.order[first..] {
+            self.intact[spring] = false;
+        }
+        moments.extend(crossing.moments.into_iter().take(count));
+        self.left -= count;
+        self.load = moments.last().expect("an event").load;
+    }
+
+    /// Where the next zone begins, if a bond breaks next.
+    fn next(&self, solutions: Solutions) -> Option<Here> {
+        if self.left == 0 {
+            return None;
+        }
+        let last = self.load.factor;
+        let bounds = (0..self.intact.len())
+            .into_par_iter()
+            .filter(|&s| self.intact[s])
+            .map(|s| {
+                let stretches = solutions.rough_stretches(self.problem, s);
+                Bounds::of(stretches, self.problem.limits.of(s), last)
+            })
+            .reduce(|| Bounds::NONE, Bounds::and);
+        let end = self.problem.programme.phases[self.phase].end;
+        let Event::Break(load) = bounds.event(last, end) else {
+            return None;
+        };
+        let functionals = &self.problem.programme.functionals;
+        let both = [solutions.held.as_ref(), Some(&solutions.unit)];
+        Some(Here {
+            values: Values::of(functionals, both),
+            solutions,
+            load,
+        })
+    }
+}
+
+impl Crossing<'_> {
+    /// How many springs of the zone have gone behind `count` events.
+    fn gone(&self, count: usize) -> usize {
+        self.moments[..count].iter().map(|m| m.bonds.len()).sum()
     }
 }
 

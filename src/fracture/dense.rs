@@ -52,17 +52,27 @@ impl Lu {
         }
     }
 
+    pub fn size(&self) -> usize {
+        self.factors.nrows()
+    }
+
     /// Overwrites b by A⁻¹ b.
     pub fn solve_in_place(&self, rhs: &mut [f64]) {
         let n = rhs.len();
+        self.solve_many_in_place(MatMut::from_column_major_slice_mut(rhs, n, 1));
+    }
+
+    /// The same for every column.
+    pub fn solve_many_in_place(&self, rhs: MatMut<f64>) {
+        let n = self.size();
         let [forward, inverse] = &self.rows;
-        let scratch = solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq);
+        let scratch = solve::solve_in_place_scratch::<usize, f64>(n, rhs.ncols(), Par::Seq);
         solve::solve_in_place_with_conj(
             self.factors.as_ref(),
             self.factors.as_ref(),
             PermRef::new_checked(forward, inverse, n),
             Conj::No,
-            MatMut::from_column_major_slice_mut(rhs, n, 1),
+            rhs,
             Par::Seq,
             MemStack::new(&mut MemBuffer::new(scratch)),
         );

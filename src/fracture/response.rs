@@ -25,6 +25,7 @@ use crate::model::Model;
 use crate::phases::Phases;
 use crate::statics::{Factorised, Solution, Solver, StaticsError};
 use rayon::prelude::*;
+use std::time::Instant;
 
 /// A bond at this share of its limit may break soon.
 const NEAR: f64 = 0.8;
@@ -134,10 +135,11 @@ impl Response {
             && factorised.is_symmetric()
             && let Event::Break(load) = response.next_event(problem, state)
         {
-            response.ahead = phases.measure("active zone", || {
-                let (solved, values) = (&response.solved, &response.values);
-                look_ahead(problem, state, factorised, solved, values, load)
-            });
+            let start = Instant::now();
+            let (solved, values) = (&response.solved, &response.values);
+            response.ahead = look_ahead(problem, state, factorised, solved, values, load);
+            let zones = response.ahead.as_ref().map_or(1, |ahead| ahead.zones);
+            phases.add("active zone", start.elapsed(), zones);
         } else {
             response.update = Some(Update::new(
                 problem,

@@ -1,20 +1,17 @@
 //! The dofs around the tips, the springs between them, and their compliance while springs go.
 
 use super::control::Problem;
-use super::event::Load;
 use super::failure::CriticalStretch;
-use super::functional::{Values, fields};
+use super::functional::Values;
 use super::response::Solutions;
-use super::state::State;
 use crate::model::Model;
-use crate::statics::{Factorised, Solution};
+use crate::statics::Solution;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use rayon::prelude::*;
 
-/// Nodes of a zone. A wider one lasts longer and costs more: 400 were better than 250 and 600 at 10 000
-/// dofs, and than 900 at 31 000 (docs/performance.md).
-const NODES: usize = 400;
+/// A node with a larger share of its springs across the edge of the zone is at its rim.
+const RIM_SHARE: f64 = 0.4;
 
 /// Below this d the bond was about the last to hold something: what is left is a mechanism, or too close
 /// to one for the update.
@@ -23,28 +20,46 @@ const LEAST_DENOMINATOR: f64 = 1e-7;
 /// Updates of A that wait to be applied together.
 const PENDING: usize = 48;
 
-/// The nodes with the most strained bonds, and the springs between them.
+/// Some nodes, and the springs between them.
 pub struct Zone {
-    /// Dofs of the nodes.
-    dofs: Vec<usize>,
+    /// Dofs of the nodes, ascending.
+    pub dofs: Vec<usize>,
     /// Ascending, and where the terms of each begin.
-    springs: Vec<usize>,
+    pub springs: Vec<usize>,
     start: Vec<usize>,
     /// The springs' w by place in `dofs` [-].
     terms: Vec<(u32, f64)>,
     lengths: Vec<f64>,
     limits: Vec<CriticalStretch>,
     stiffness: Vec<f64>,
+    /// Whether one of its nodes has intact springs to nodes outside.
+    is_at_rim: Vec<bool>,
+    /// Springs outside with a node in the zone, or next to one that has, ascending.
+    pub ring: Vec<usize>,
+}
+
+/// How a node stands to the zone.
+#[derive(Clone, Copy, PartialEq)]
+enum Place {
+    Inside(u32),
+    Rim(u32),
+    /// A spring joins it to a node of the zone.
+    Next,
+    Outside,
+}
+
+/// Whether a node is at the rim: the more of its springs leave the zone, the closer are those that it does
+/// not see.
+fn is_rim(inside: usize, across: usize) -> bool {
+    across as f64 > RIM_SHARE * (inside + across) as f64
 }
 
 impl Zone {
-    /// `load` breaks the next bond.
-    pub fn new(problem: &Problem, state: &State, base: &Solutions, load: Load) -> Zone {
+    pub fn new(problem: &Problem, intact: &[bool], nodes: &[usize]) -> Zone {
         let model = problem.model;
-        let nodes = most_strained_nodes(problem, state, base, load);
-        let mut local = vec![u32::MAX; model.node_count()];
+        let mut places = vec![Place::Outside; model.node_count()];
         for (k, &node) in nodes.iter().enumerate() {
-            local[node] = 2 * k as u32;
+            places[node] = Place::Inside(2 * k as u32);
         }
         let mut zone = Zone {
             dofs: nodes.iter().flat_map(|&n| [2 * n, 2 * n + 1]).collect(),
@@ -54,37 +69,55 @@ impl Zone {
             lengths: Vec::new(),
             limits: Vec::new(),
             stiffness: Vec::new(),
+            is_at_rim: Vec::new(),
+            ring: Vec::new(),
         };
-        for spring in (0..model.springs.len()).filter(|&s| state.intact[s]) {
-            let nodes = model.springs.nodes(spring);
-            if nodes.iter().all(|&node| local[node as usize] != u32::MAX) {
-                zone.add(problem, &local, spring);
+        // Unbreakable ones need no watching.
+        let breaks = |s: usize| problem.limits.of(s) != CriticalStretch::UNBREAKABLE;
+        let touching = |test: &(dyn Fn(&u32) -> bool + Sync)| -> Vec<usize> {
+            let all = (0..model.springs.len()).into_par_iter();
+            all.filter(|&s| intact[s] && breaks(s) && model.springs.nodes(s).iter().any(test))
+                .collect()
+        };
+        let is_in = |&node: &u32| places[node as usize] != Place::Outside;
+        let (inside, across): (Vec<usize>, Vec<usize>) =
+            (touching(&is_in).into_iter()).partition(|&s| model.springs.nodes(s).iter().all(is_in));
+        // How many springs of a node stay in the zone, and how many do not.
+        let mut counts = vec![[0usize; 2]; model.node_count()];
+        for (list, which) in [(&inside, 0), (&across, 1)] {
+            for &node in list.iter().flat_map(|&s| model.springs.nodes(s)) {
+                counts[node as usize][which] += 1;
             }
         }
+        for (place, [own, others]) in places.iter_mut().zip(counts) {
+            *place = match *place {
+                Place::Outside if others > 0 => Place::Next,
+                Place::Inside(k) if is_rim(own, others) => Place::Rim(k),
+                place => place,
+            };
+        }
+        inside.iter().for_each(|&s| zone.add(problem, &places, s));
+        zone.ring = touching(&|&node| places[node as usize] == Place::Next);
         zone
     }
 
-    fn add(&mut self, problem: &Problem, local: &[u32], spring: usize) {
+    fn add(&mut self, problem: &Problem, places: &[Place], spring: usize) {
         let Model {
             springs, positions, ..
         } = problem.model;
         self.springs.push(spring);
+        let mut is_at_rim = false;
         springs.for_each_term(spring, positions, |node, [x, y]| {
-            let dof = local[node as usize];
-            self.terms.extend([(dof, x), (dof + 1, y)]);
+            if let Place::Inside(dof) | Place::Rim(dof) = places[node as usize] {
+                self.terms.extend([(dof, x), (dof + 1, y)]);
+            }
+            is_at_rim |= matches!(places[node as usize], Place::Rim(_));
         });
+        self.is_at_rim.push(is_at_rim);
         self.start.push(self.terms.len());
         self.lengths.push(springs.length(spring, positions));
         self.limits.push(problem.limits.of(spring));
         self.stiffness.push(springs.stiffness[spring]);
-    }
-
-    /// Intact springs that the zone does not see.
-    pub fn outside(&self, intact: &[bool]) -> Vec<usize> {
-        let mut seen = self.springs.iter().peekable();
-        let is_outside = |&spring: &usize| seen.next_if_eq(&&spring).is_none();
-        let all = (0..intact.len()).filter(|&s| intact[s]);
-        all.filter(is_outside).collect()
     }
 
     /// Where a spring stands in the zone.
@@ -110,64 +143,34 @@ impl Zone {
         })
     }
 
-    /// Combines `f` of the stretches and the limit of every spring that is still there.
-    pub fn fold<T>(
-        &self,
-        front: &Front,
-        start: T,
-        f: impl Fn([f64; 2], CriticalStretch) -> T,
-        combine: impl Fn(T, T) -> T,
-    ) -> T {
+    /// Stretches of every spring, nothing for those that have gone.
+    pub fn survey(&self, front: &Front) -> Vec<(usize, [f64; 2])> {
         let there = (0..self.springs.len()).filter(|&k| front.intact[k]);
-        let each = there.map(|k| f(self.stretches(k, &front.displacement), self.limits[k]));
-        each.fold(start, combine)
+        there
+            .map(|k| (k, self.stretches(k, &front.displacement)))
+            .collect()
     }
 
-    /// The springs still there of which `f` is true, ascending.
-    pub fn filter(
-        &self,
-        front: &Front,
-        f: impl Fn([f64; 2], CriticalStretch) -> bool,
-    ) -> Vec<usize> {
-        let there = (0..self.springs.len()).filter(|&k| front.intact[k]);
-        let found = there.filter(|&k| f(self.stretches(k, &front.displacement), self.limits[k]));
-        found.map(|k| self.springs[k]).collect()
+    pub fn limit(&self, place: usize) -> CriticalStretch {
+        self.limits[place]
     }
-}
 
-/// The nodes whose bonds are nearest to their limits, ascending.
-fn most_strained_nodes(
-    problem: &Problem,
-    state: &State,
-    base: &Solutions,
-    load: Load,
-) -> Vec<usize> {
-    let model = problem.model;
-    let utilisation: Vec<f64> = (0..model.springs.len())
-        .into_par_iter()
-        .map(|s| match state.intact[s] {
-            true => problem
-                .limits
-                .of(s)
-                .utilisation(load.combine(base.rough_stretches(problem, s))),
-            false => 0.0,
-        })
-        .collect();
-    let mut score = vec![0.0f64; model.node_count()];
-    for (spring, &utilisation) in utilisation.iter().enumerate() {
-        for &node in model.springs.nodes(spring) {
-            score[node as usize] = score[node as usize].max(utilisation);
+    pub fn is_at_rim(&self, place: usize) -> bool {
+        self.is_at_rim[place]
+    }
+
+    /// The forces k (w·u) w of springs, dof by dof of the zone [N].
+    pub fn forces(&self, springs: &[usize], u: &[f64]) -> Vec<f64> {
+        let mut forces = vec![0.0; self.dofs.len()];
+        for &spring in springs {
+            let place = self.place(spring).expect("a spring of the zone");
+            let force = self.stiffness[place] * self.elongation(place, u);
+            for &(dof, w) in self.terms(place) {
+                forces[dof as usize] += force * w;
+            }
         }
+        forces
     }
-    let mut nodes: Vec<usize> = (0..model.node_count()).collect();
-    let count = NODES.min(nodes.len());
-    let by_score = |a: &usize, b: &usize| score[*b].total_cmp(&score[*a]).then(a.cmp(b));
-    if count < nodes.len() {
-        nodes.select_nth_unstable_by(count, by_score);
-        nodes.truncate(count);
-    }
-    nodes.sort_unstable();
-    nodes
 }
 
 /// The response on the zone while springs go.
@@ -186,32 +189,27 @@ pub struct Front {
 
 impl Front {
     pub fn new(
-        problem: &Problem,
-        state: &State,
-        factorised: &Factorised,
         zone: &Zone,
-        base: &Solutions,
-        values: &Values,
-    ) -> Option<Front> {
-        let dofs = &zone.dofs;
+        compliance: Mat<f64>,
+        solutions: &Solutions,
+        fields: Vec<Vec<f64>>,
+        values: Values,
+    ) -> Front {
         let on_zone = |u: &Solution| -> Vec<f64> {
-            dofs.iter().map(|&d| u.displacement[d / 2][d % 2]).collect()
+            let dofs = zone.dofs.iter();
+            dofs.map(|&d| u.displacement[d / 2][d % 2]).collect()
         };
-        let functionals = &problem.programme.functionals;
-        let all = fields(functionals, factorised, 2 * state.displacement.len());
-        Some(Front {
-            compliance: factorised.compliance(dofs)?,
+        Front {
+            compliance,
             pending: Vec::new(),
             displacement: [
-                base.held.as_ref().map(on_zone).unwrap_or_default(),
-                on_zone(&base.unit),
+                solutions.held.as_ref().map(on_zone).unwrap_or_default(),
+                on_zone(&solutions.unit),
             ],
-            fields: (all.iter())
-                .map(|v| dofs.iter().map(|&d| v[d]).collect())
-                .collect(),
-            values: values.clone(),
+            fields,
+            values,
             intact: vec![true; zone.springs.len()],
-        })
+        }
     }
 
     /// Takes a spring away; whether all is still held.

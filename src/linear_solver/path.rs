@@ -25,24 +25,24 @@ const BLOCK: usize = 32;
 
 /// The supernodes above a set of columns, these included, and where their rows stand in a compact
 /// right-hand side.
-struct Path {
+pub(super) struct Path {
     /// Ascending: children before parents.
-    steps: Vec<Step>,
-    rows: usize,
+    pub(super) steps: Vec<Step>,
+    pub(super) rows: usize,
 }
 
-struct Step {
+pub(super) struct Step {
     supernode: usize,
     /// Its first column, how many there are, and where the first stands.
-    begin: usize,
-    width: usize,
-    first_row: usize,
+    pub(super) begin: usize,
+    pub(super) width: usize,
+    pub(super) first_row: usize,
     /// Where the rows of L below its own stand.
-    below: Vec<u32>,
+    pub(super) below: Vec<u32>,
 }
 
 impl Path {
-    fn new(structure: &Supernodes, columns: &[usize]) -> Path {
+    pub(super) fn new(structure: &Supernodes, columns: &[usize]) -> Path {
         let mut path = Path {
             steps: Vec::new(),
             rows: 0,
@@ -80,7 +80,7 @@ impl Path {
     }
 
     /// Where a column of the path stands.
-    fn row(&self, column: usize) -> usize {
+    pub(super) fn row(&self, column: usize) -> usize {
         let k = self.steps.partition_point(|s| s.begin + s.width <= column);
         self.steps[k].first_row + column - self.steps[k].begin
     }
@@ -160,7 +160,7 @@ impl Factor {
         MatRef::from_column_major_slice(values, height, step.width).split_at_row(step.width)
     }
 
-    fn step_up(&self, step: &Step, mut x: MatMut<f64>, mut beside: MatMut<f64>) {
+    pub(super) fn step_up(&self, step: &Step, mut x: MatMut<f64>, mut beside: MatMut<f64>) {
         let (diagonal, below) = self.blocks(step);
         let mut own = x.as_mut().subcols_mut(step.first_row, step.width);
         solve_lower_triangular_in_place(diagonal, own.as_mut().transpose_mut(), Par::Seq);

@@ -1,0 +1,137 @@
+//! Where bonds will break next: the nodes around the tips, and those ahead of them.
+//!
+//! A tip is where bonds are close to their limits. Its crack goes on away from what has broken behind it,
+//! so that the zone of a tip is what is strained now and a strip along that way. Where nothing has broken
+//! nearby, it is a disc.
+
+use super::control::Problem;
+use super::event::Load;
+use super::response::Solutions;
+use rayon::prelude::*;
+
+/// Nodes with a bond at this share of its limit belong to a zone.
+const STRAINED: f64 = 0.65;
+
+/// Bonds at this share of their limits make a tip.
+const TIP: f64 = 0.85;
+
+/// Half the width of a strip, how far it goes back behind the tip, how far apart two tips are, and how far
+/// back the way of a crack is read, in horizons.
+const HALF_WIDTH: f64 = 1.25;
+const BACK: f64 = 2.0;
+const APART: f64 = 2.0;
+const WAKE: f64 = 4.0;
+
+/// A tip's place [m], and the unit vector along which its crack goes on.
+struct Tip {
+    place: [f64; 2],
+    way: Option<[f64; 2]>,
+}
+
+/// At most `count` nodes, ascending. `load` breaks the next bond.
+pub fn nodes(
+    problem: &Problem,
+    intact: &[bool],
+    solutions: &Solutions,
+    load: Load,
+    count: usize,
+) -> Vec<usize> {
+    let model = problem.model;
+    let strained: Vec<(usize, f64)> = (0..model.springs.len())
+        .into_par_iter()
+        .filter(|&s| intact[s])
+        .map(|s| {
+            let stretch = load.combine(solutions.rough_stretches(problem, s));
+            (s, problem.limits.of(s).utilisation(stretch))
+        })
+        .filter(|&(_, utilisation)| utilisation > STRAINED)
+        .collect();
+    let length = |&(s, _): &(usize, f64)| model.springs.length(s, &model.positions);
+    let horizon = strained.iter().map(length).fold(0.0, f64::max);
+    let tips = tips(problem, intact, &strained, horizon);
+    // How far along a strip of the half-width a node stands; a disc fills as fast. What lies beside a strip
+    // is taken when that comes to its end.
+    let beside = 1e6 * horizon;
+    let mut key = vec![f64::INFINITY; model.node_count()];
+    let half_width = HALF_WIDTH * horizon;
+    for (key, x) in key.iter_mut().zip(&model.positions) {
+        for tip in &tips {
+            let r = [x[0] - tip.place[0], x[1] - tip.place[1]];
+            let own = match tip.way {
+                Some([a, b]) => {
+                    let (along, aside) = (a * r[0] + b * r[1], a * r[1] - b * r[0]);
+                    let inside = aside.abs() < half_width && along > -BACK * horizon;
+                    if inside {
+                        along.max(0.0)
+                    } else {
+                        beside + r[0].hypot(r[1])
+                    }
+                }
+                None => std::f64::consts::PI * (r[0] * r[0] + r[1] * r[1]) / (2.0 * half_width),
+            };
+            *key = key.min(own);
+        }
+    }
+    for &(spring, utilisation) in &strained {
+        for &node in model.springs.nodes(spring) {
+            key[node as usize] = key[node as usize].min(-utilisation);
+        }
+    }
+    let mut nodes: Vec<usize> = (0..key.len()).filter(|&k| key[k] < f64::INFINITY).collect();
+    let by_key = |a: &usize, b: &usize| key[*a].total_cmp(&key[*b]).then(a.cmp(b));
+    if count < nodes.len() {
+        nodes.select_nth_unstable_by(count, by_key);
+        nodes.truncate(count);
+    }
+    nodes.sort_unstable();
+    nodes
+}
+
+fn middle(problem: &Problem, spring: usize) -> [f64; 2] {
+    let model = problem.model;
+    let [a, b] = model.springs.segment(spring, &model.positions);
+    [0, 1].map(|k| 0.5 * (a[k] + b[k]))
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+fn mean(places: &[[f64; 2]]) -> [f64; 2] {
+    [0, 1].map(|k| places.iter().map(|p| p[k]).sum::<f64>() / places.len() as f64)
+}
+
+fn tips(problem: &Problem, intact: &[bool], strained: &[(usize, f64)], horizon: f64) -> Vec<Tip> {
+    let mut by_strain: Vec<(usize, f64)> = strained.to_vec();
+    by_strain.retain(|&(_, utilisation)| utilisation > TIP);
+    by_strain.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    let mut clusters: Vec<Vec<[f64; 2]>> = Vec::new();
+    for (spring, _) in by_strain {
+        let place = middle(problem, spring);
+        let is_near = |c: &&mut Vec<[f64; 2]>| distance(c[0], place) < APART * horizon;
+        match clusters.iter_mut().find(is_near) {
+            Some(cluster) => cluster.push(place),
+            None => clusters.push(vec![place]),
+        }
+    }
+    let places: Vec<[f64; 2]> = clusters.iter().map(|c| mean(c)).collect();
+    let mut wakes = vec![Vec::new(); places.len()];
+    for spring in (0..intact.len()).filter(|&s| !intact[s]) {
+        let broken = middle(problem, spring);
+        for (wake, &place) in wakes.iter_mut().zip(&places) {
+            if distance(broken, place) < WAKE * horizon {
+                wake.push(broken);
+            }
+        }
+    }
+    let all = places.into_iter().zip(wakes);
+    all.map(|(place, wake)| {
+        let from = mean(&wake);
+        let length = distance(place, from);
+        // False where there is no wake.
+        let has_way = length > 0.1 * horizon;
+        let way = has_way.then(|| [0, 1].map(|k| (place[k] - from[k]) / length));
+        Tip { place, way }
+    })
+    .collect()
+}

@@ -1,0 +1,303 @@
+//! What has gone since a factorisation, and what that does to the compliance of a zone.
+//!
+//! The springs that are gone took S = Σ k w wᵀ at the dofs T which they touch. With A = Eᵀ K⁻¹ E of the
+//! factorised K and z the dofs of a zone,
+//!
+//! ```text
+//! K' = K − S,   M = S (I − A_TT S)⁻¹
+//! A'_zz = A_zz + A_zT M A_Tz,   u' = u + K⁻¹ E_T M u_T
+//! ```
+//!
+//! for an S of any rank. u' is exact again wherever it is taken: what a zone leaves of rounding does not
+//! enter the next one.
+
+use super::control::Problem;
+use super::dense::Lu;
+use super::response::Solutions;
+use super::zone::Zone;
+use crate::boundary::Boundary;
+use crate::linear_solver::compliance::UnitLoads;
+use crate::statics::{Factorised, Solution};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatMut, Par};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// A pivot of I − A_TT S below this share of the largest: what is left is a mechanism, or too close to one.
+const LEAST_PIVOT: f64 = 1e-7;
+
+/// Columns that one thread takes at a time.
+const BLOCK: usize = 64;
+
+/// A spring that is gone, by places in T.
+struct Spring {
+    stiffness: f64,
+    /// w.
+    terms: Vec<(usize, f64)>,
+}
+
+/// What has gone.
+pub struct Gone {
+    /// The springs, in the order in which they went.
+    pub order: Vec<usize>,
+    springs: Vec<Spring>,
+    /// T, in the order in which they were first touched.
+    dofs: Vec<usize>,
+    place: BTreeMap<usize, usize>,
+    /// L⁻¹ E_T, and A_TT [m/N].
+    loads: UnitLoads,
+    compliance: Mat<f64>,
+}
+
+/// A zone when it begins.
+pub struct Start {
+    /// L⁻¹ E_z.
+    loads: UnitLoads,
+    /// A_zz and A_Tz of the factorised K, and M A_Tz.
+    own: Mat<f64>,
+    between: Mat<f64>,
+    moved: Mat<f64>,
+    /// M u_T of each case [N].
+    forces: [Vec<f64>; 2],
+    /// Multiplications and additions that it took.
+    pub flops: f64,
+}
+
+impl Default for Gone {
+    fn default() -> Gone {
+        Gone {
+            order: Vec::new(),
+            springs: Vec::new(),
+            dofs: Vec::new(),
+            place: BTreeMap::new(),
+            loads: UnitLoads::default(),
+            compliance: Mat::new(),
+        }
+    }
+}
+
+impl Gone {
+    /// The number of dofs in T.
+    pub fn touched(&self) -> usize {
+        self.dofs.len()
+    }
+
+    /// `None` where what is left is a mechanism, or the factor not Cholesky's.
+    pub fn start(&self, factorised: &Factorised, zone: &Zone, base: &Solutions) -> Option<Start> {
+        let loads = factorised.unit_loads(&zone.dofs)?;
+        let own = loads.square();
+        let [touched, n] = [self.dofs.len(), zone.dofs.len()];
+        let mut start = Start {
+            flops: loads.flops + (touched + n) as f64 * (touched * touched) as f64,
+            own,
+            between: Mat::zeros(touched, n),
+            moved: Mat::zeros(touched, n),
+            forces: [Vec::new(), Vec::new()],
+            loads,
+        };
+        if touched > 0 {
+            start.between = self.loads.product(&start.loads);
+            let system = self.system(touched, self.springs.len())?;
+            start.moved = start.between.clone();
+            self.take(&system, start.moved.as_mut(), self.springs.len());
+            start.forces = self.forces(&system, base, self.springs.len());
+        }
+        Some(start)
+    }
+
+    /// I − A_TT S of the first springs, factorised.
+    fn system(&self, touched: usize, springs: usize) -> Option<Lu> {
+        let mut system = Mat::<f64>::identity(touched, touched);
+        let mut column = vec![0.0; touched];
+        for spring in &self.springs[..springs] {
+            column.fill(0.0);
+            for &(place, w) in &spring.terms {
+                let own = self.compliance.col(place).try_as_col_major();
+                let own = &own.expect("stored by columns").as_slice()[..touched];
+                add(&mut column, spring.stiffness * w, own);
+            }
+            for &(place, w) in &spring.terms {
+                let own = system.col_mut(place).try_as_col_major_mut();
+                add(own.expect("stored by columns").as_slice_mut(), -w, &column);
+            }
+        }
+        Lu::new(system, LEAST_PIVOT).ok()
+    }
+
+    /// Overwrites columns c on T by M c.
+    fn take(&self, system: &Lu, columns: MatMut<f64>, springs: usize) {
+        columns.par_col_chunks_mut(BLOCK).for_each(|mut block| {
+            system.solve_many_in_place(block.as_mut());
+            for mut column in block.col_iter_mut() {
+                let z: Vec<f64> = column.as_ref().iter().copied().collect();
+                column.fill(0.0);
+                for spring in &self.springs[..springs] {
+                    let elongation: f64 = spring.terms.iter().map(|&(p, w)| w * z[p]).sum();
+                    for &(place, w) in &spring.terms {
+                        column[place] += spring.stiffness * elongation * w;
+                    }
+                }
+            }
+        });
+    }
+
+    /// M u_T of each case: the forces of the first springs that are gone [N].
+    fn forces(&self, system: &Lu, base: &Solutions, springs: usize) -> [Vec<f64>; 2] {
+        let of = |u: Option<&Solution>| -> Vec<f64> {
+            let Some(u) = u else { return Vec::new() };
+            let touched = system.size();
+            let on_dof = |i: usize| u.displacement[self.dofs[i] / 2][self.dofs[i] % 2];
+            let mut forces = Mat::from_fn(touched, 1, |i, _| on_dof(i));
+            self.take(system, forces.as_mut(), springs);
+            forces.col(0).iter().copied().collect()
+        };
+        [of(base.held.as_ref()), of(Some(&base.unit))]
+    }
+
+    /// Springs of a zone that are gone from now on.
+    pub fn lose(&mut self, problem: &Problem, zone: &Zone, start: &Start, bonds: &[usize]) {
+        let model = problem.model;
+        let (known, mut new) = (self.dofs.len(), Vec::new());
+        for &bond in bonds {
+            let mut terms = Vec::new();
+            model
+                .springs
+                .for_each_term(bond, &model.positions, |node, w| {
+                    for (axis, w) in w.into_iter().enumerate() {
+                        let dof = 2 * node as usize + axis;
+                        let next = self.dofs.len();
+                        let place = *self.place.entry(dof).or_insert(next);
+                        if place == next {
+                            self.dofs.push(dof);
+                            new.push(zone.dofs.binary_search(&dof).expect("a dof of the zone"));
+                        }
+                        terms.push((place, w));
+                    }
+                });
+            self.order.push(bond);
+            let stiffness = model.springs.stiffness[bond];
+            self.springs.push(Spring { stiffness, terms });
+        }
+        self.loads.append(&start.loads, &new);
+        let size = self.dofs.len();
+        let Gone { compliance, .. } = self;
+        compliance.resize_with(size, size, |_, _| 0.0);
+        for (j, &place) in new.iter().enumerate() {
+            for i in 0..known {
+                let a = start.between[(i, place)];
+                compliance[(i, known + j)] = a;
+                compliance[(known + j, i)] = a;
+            }
+            for (i, &other) in new.iter().enumerate() {
+                compliance[(known + i, known + j)] = start.own[(other, place)];
+            }
+        }
+    }
+
+    /// Takes back all but the first `count` springs.
+    pub fn regain(&mut self, count: usize) {
+        self.order.truncate(count);
+        self.springs.truncate(count);
+        let terms = self.springs.iter().flat_map(|s| &s.terms);
+        let touched = terms.map(|&(place, _)| place + 1).max().unwrap_or(0);
+        for dof in self.dofs.drain(touched..) {
+            self.place.remove(&dof);
+        }
+        self.loads.truncate(touched);
+        self.compliance.truncate(touched, touched);
+    }
+
+    /// u_held and u_unit everywhere when the first `count` springs are gone, from those when K was
+    /// factorised; `None` for a mechanism.
+    pub fn solutions(
+        &self,
+        problem: &Problem,
+        phase: usize,
+        factorised: &Factorised,
+        base: &Solutions,
+        count: usize,
+    ) -> Option<Solutions> {
+        let springs = self.springs[..count].iter();
+        let touched = springs.flat_map(|s| &s.terms).map(|&(p, _)| p + 1).max();
+        let Some(touched) = touched else {
+            return Some(base.clone());
+        };
+        let system = self.system(touched, count)?;
+        let forces = self.forces(&system, base, count);
+        let (model, programme) = (problem.model, problem.programme);
+        let after = |forces: &[f64], case: &Boundary, before: &Solution| {
+            let mut change = vec![0.0; factorised.dofs()];
+            for (&dof, force) in self.dofs.iter().zip(forces) {
+                change[dof] = *force;
+            }
+            factorised.respond(&mut change, 1);
+            let case = (case, factorised.scale(case));
+            factorised.without(model, case, before, &change, &self.order[..count])
+        };
+        let unit = &programme.phases[phase].boundary;
+        let held = (base.held.as_ref()).zip(programme.held(phase));
+        Some(Solutions {
+            unit: after(&forces[1], unit, &base.unit),
+            held: held.map(|(u, case)| after(&forces[0], &case, u)),
+        })
+    }
+}
+
+impl Start {
+    /// A'_zz.
+    pub fn compliance(&self) -> Mat<f64> {
+        let mut compliance = self.own.clone();
+        compliance
+            .par_col_chunks_mut(2 * BLOCK)
+            .enumerate()
+            .for_each(|(k, block)| {
+                let moved = self.moved.subcols(2 * BLOCK * k, block.ncols());
+                let left = self.between.transpose();
+                matmul(block, Accum::Add, left, moved, 1.0, Par::Seq);
+            });
+        compliance
+    }
+
+    /// v' on the zone: v there, a response to loads that stay, and what the springs add that are gone.
+    pub fn field(&self, gone: &Gone, zone: &Zone, v: &[f64]) -> Vec<f64> {
+        let mut own: Vec<f64> = zone.dofs.iter().map(|&d| v[d]).collect();
+        for (j, own) in own.iter_mut().enumerate() {
+            let moved = self
+                .moved
+                .col(j)
+                .iter()
+                .zip(&gone.dofs[..self.moved.nrows()]);
+            *own += moved.map(|(m, &dof)| m * v[dof]).sum::<f64>();
+        }
+        own
+    }
+
+    /// Adds to the forces at all dofs [N] those of the springs that were gone when the zone began, and of
+    /// those of the zone that are gone since, which exert `forces` on its dofs [N].
+    pub fn add_forces(&self, gone: &Gone, zone: &Zone, case: usize, own: &[f64], all: &mut [f64]) {
+        for (&dof, f) in zone.dofs.iter().zip(own) {
+            all[dof] += f;
+        }
+        let touched = self.moved.nrows();
+        for (&dof, f) in gone.dofs.iter().zip(&self.forces[case]) {
+            all[dof] += f;
+        }
+        let mut passed_on = vec![0.0; touched];
+        for (j, &f) in own.iter().enumerate().filter(|(_, f)| **f != 0.0) {
+            let column = self.moved.col(j).try_as_col_major();
+            add(
+                &mut passed_on,
+                f,
+                column.expect("stored by columns").as_slice(),
+            );
+        }
+        for (&dof, f) in gone.dofs.iter().zip(passed_on) {
+            all[dof] += f;
+        }
+    }
+}
+
+/// u += scale · a.
+fn add(u: &mut [f64], scale: f64, a: &[f64]) {
+    u.iter_mut().zip(a).for_each(|(u, a)| *u += scale * a);
+}

@@ -249,7 +249,7 @@ fn the_plate_of_section_4_2_event_driven() {
     let observe = |state: &State, record: Record, _: &Response| {
         loads.push(state.load.factor);
         largest = largest.max(record.residual);
-        if state.step % 20 == 0 {
+        if state.step.is_multiple_of(20) {
             samples.push(state.clone());
         }
         Ok::<(), StaticsError>(())

@@ -88,9 +88,12 @@ fn without_steps_or_without_pictures_none_is_drawn() {
     assert!(ended.err.contains(said), "{}", ended.err);
 }
 
-/// Kills a run once its history has a line of this step.
+/// Slow enough to be killed on the way.
+const SLOWLY: &str = "--reference-solver";
+
+/// Kills a run once its history has a line of this step, and there is a picture.
 fn kill_after(place: &Workplace, step: usize) {
-    let mut command = place.command(&["run", "plate.yaml"]);
+    let mut command = place.command(&["run", "plate.yaml", SLOWLY]);
     let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn();
     let mut child = child.expect("the binary starts");
     let begin = Instant::now();
@@ -98,7 +101,8 @@ fn kill_after(place: &Workplace, step: usize) {
         let text = std::fs::read_to_string(place.path("results/plate/history.csv"));
         text.unwrap_or_default().lines().count()
     };
-    while lines() <= step && child.try_wait().expect("a child").is_none() {
+    let is_there = || lines() > step && exists(place, "damage.png");
+    while !is_there() && child.try_wait().expect("a child").is_none() {
         assert!(begin.elapsed() < Duration::from_secs(60), "no step {step}");
         std::thread::sleep(Duration::from_micros(200));
     }
@@ -122,7 +126,7 @@ fn a_picture_can_be_looked_at_while_the_run_goes() {
         "of the first break, less than five seconds old"
     );
     // It is no result: the run goes on, and ends with the same bytes.
-    run(&place, &["--until", "solve"]);
+    run(&place, &["--until", "solve", SLOWLY]);
     assert!(
         !exists(&place, "damage.png"),
         "the solve stage takes it away"

@@ -66,8 +66,6 @@ pub struct Ahead {
     moments: Vec<Moment>,
     /// The largest relative residual between zones.
     pub residual: f64,
-    /// How many zones it took.
-    pub zones: usize,
 }
 
 impl Ahead {
@@ -131,7 +129,6 @@ pub fn look_ahead(
             gone: Gone::default(),
             moments: Vec::new(),
             residual: 0.0,
-            zones: 0,
         },
     };
     let mut here = Here {
@@ -140,7 +137,6 @@ pub fn look_ahead(
         load,
     };
     while let Some((next, cost)) = scout.cross(here, costs.dofs) {
-        scout.ahead.zones += 1;
         costs.add(cost, scout.ahead.gone.order.len());
         match next {
             Some(next) if !costs.is_due(scout.ahead.gone.touched()) => here = next,

@@ -138,8 +138,7 @@ impl Response {
             let start = Instant::now();
             let (solved, values) = (&response.solved, &response.values);
             response.ahead = look_ahead(problem, state, factorised, solved, values, load);
-            let zones = response.ahead.as_ref().map_or(1, |ahead| ahead.zones);
-            phases.add("active zone", start.elapsed(), zones);
+            phases.note("active zone", start);
         } else {
             response.update = Some(Update::new(
                 problem,

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Every factor is probed: K x = b for a fixed pseudo-random b. Where x is too large or leaves too much of
-//! b, K is factorised again with all rows to choose from ([`super::partial_pivoting`]), which also
+//! b, K is factorised again with all rows to choose from (`partial_pivoting`), which also
 //! tells whether K is singular.
 
 use super::SolverError;

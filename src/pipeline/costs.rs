@@ -15,7 +15,7 @@ pub struct Costs {
     pub phases: Phases,
     /// On other threads, meanwhile.
     pub behind: Phases,
-    /// The frames that the solve has written: their [`account`].
+    /// The frames that the solve has written: their account.
     pub frames: Value,
     /// Results of the output stage.
     pub made: Vec<Made>,

@@ -5,6 +5,7 @@
 
 pub mod colour;
 pub mod field;
+pub mod markup;
 mod packed;
 pub mod picture;
 pub mod pvd;

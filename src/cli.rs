@@ -609,7 +609,9 @@ fn print_files(plan: &Plan, summary: &Value) {
     {
         let what = match file.rsplit('.').next() {
             Some("pvd") => "open it in ParaView",
-            Some("png") => "picture",
+            Some("png" | "svg") => "picture",
+            Some("gif") => "the damage as it grows",
+            Some("html") => "all of it on one page: open it in a browser",
             _ => "sizes, times, versions",
         };
         println!("  {folder}/{file}  ({what})");

@@ -2,15 +2,19 @@
 //! stale) → [`run`].
 
 mod bits;
+mod charts;
 mod checkpoint;
 pub mod costs;
 pub mod damage_picture;
+mod deformed;
 mod drafter;
 mod files;
 pub mod folder;
 pub mod fracture;
 pub mod history;
 mod made;
+mod maps;
+mod mesh_picture;
 mod meshing;
 mod parts;
 mod pictures;
@@ -19,6 +23,8 @@ pub mod profile;
 pub mod quantity;
 mod reader;
 mod recipe;
+mod reel;
+pub mod report;
 pub mod results;
 pub mod run;
 pub mod scribe;

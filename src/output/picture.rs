@@ -57,6 +57,11 @@ impl Picture {
         self.pixel(x as u32, y as u32)
     }
 
+    /// The pixels, row by row.
+    pub fn rgb(&self) -> &[u8] {
+        &self.rgb
+    }
+
     /// Writes the picture to `path` (`….png`).
     pub fn write(&self, path: &Path) -> Result<(), PictureError> {
         Ok(write_whole(path, &self.to_png()?)?)

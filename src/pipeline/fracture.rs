@@ -388,7 +388,7 @@ impl Writer<'_, '_> {
             plan,
             model: problem.model,
         };
-        self.drafter.latest(parts, state.step, &state.intact);
+        self.drafter.latest(parts, state);
         self.handed_over.note(HAND_OVER, start);
         Ok(())
     }

@@ -5,11 +5,13 @@ use super::history::Line;
 use super::made::Made;
 use super::parts::{Parts, has_damage};
 use super::plan::{Plan, Probe};
+use super::reel::Reel;
 use super::run::RunError;
 use super::solved::Solved;
 use super::workshop::Workshop;
 use crate::boundary::Boundary;
 use crate::model::{Method, Model};
+use crate::output::animation::AnimationError;
 use crate::output::picture::PictureError;
 use crate::output::pvd::PvdError;
 use crate::output::vtu::VtuError;
@@ -28,6 +30,8 @@ pub enum ResultsError {
     #[error(transparent)]
     Picture(#[from] PictureError),
     #[error(transparent)]
+    Animation(#[from] AnimationError),
+    #[error(transparent)]
     Write(#[from] crate::output::WriteError),
 }
 
@@ -41,8 +45,8 @@ pub struct Outcome<'a> {
 }
 
 impl Outcome<'_> {
-    /// Writes everything but the summary into `folder`, without what has been `drafted` there, and
-    /// returns all that is there now.
+    /// Writes everything but the summary and the report into `folder`, without what has been `drafted`
+    /// there, and returns all that is there now, and the pictures that the report moves through.
     ///
     /// # Errors
     /// See [`ResultsError`].
@@ -51,7 +55,7 @@ impl Outcome<'_> {
         folder: &Path,
         drafted: Vec<Made>,
         phases: &mut Phases,
-    ) -> Result<Vec<Made>, RunError> {
+    ) -> Result<(Vec<Made>, Option<Reel>), RunError> {
         let workshop = Workshop {
             outcome: self,
             folder,
@@ -62,10 +66,26 @@ impl Outcome<'_> {
             trace: phases.trace().clone(),
         };
         let mut made = phases.measure("vtu", || workshop.parts())?;
-        if self.plan.output.pictures {
+        if !self.plan.output.pictures.is_none() {
             made.extend(phases.measure("pictures", || workshop.pictures())?);
         }
-        Ok(made)
+        let reel = phases.measure("animation", || self.reel())?;
+        if let (Some(reel), true) = (&reel, self.plan.output.animation) {
+            let film = || reel.film(folder, &workshop.trace);
+            made.push(phases.measure("animation", film)?);
+        }
+        Ok((made, reel))
+    }
+
+    /// Where the film or the report's slider wants it.
+    fn reel(&self) -> Result<Option<Reel>, RunError> {
+        let output = &self.plan.output;
+        match &self.solved.fracture {
+            Some(course) if output.animation || output.report => {
+                Reel::new(self.plan, self.model, course).map(Some)
+            }
+            _ => Ok(None),
+        }
     }
 
     pub(super) fn parts(&self) -> Parts<'_> {

@@ -10,6 +10,7 @@ use super::made::{Made, account};
 use super::meshing::{mesh_geometry, to_mesh};
 use super::plan::{Loading, Plan};
 use super::recipe::recipe;
+use super::report::REPORT_FILE;
 use super::results::{Outcome, ResultsError, lattice_name};
 use super::scribe::{HISTORY_FILE, Written};
 use super::solved::{Course, Solved, StoredSolution};
@@ -492,17 +493,24 @@ impl Run<'_> {
             ..Costs::default()
         };
         costs.drafted = drafted.len();
-        let made = outcome.write(draft.path(), drafted, &mut costs.phases)?;
+        let (made, reel) = outcome.write(draft.path(), drafted, &mut costs.phases)?;
+
         costs.phases.complete(start.elapsed());
         costs.peak_memory = peak_memory();
         costs.made = made;
         self.costs.append(costs);
         let made = self.costs.made.iter();
         let mut files: Vec<String> = made.map(|made| made.name.clone()).collect();
+        if self.plan.output.report {
+            files.push(REPORT_FILE.to_owned());
+        }
         files.push(SUMMARY_FILE.to_owned());
         let summary = outcome.summary(&files, &self.costs);
         let text = serde_json::to_string_pretty(&summary).expect("a summary is plain data") + "\n";
         write_whole(&draft.path().join(SUMMARY_FILE), text.as_bytes())?;
+        if self.plan.output.report {
+            outcome.report(draft.path(), &self.costs.made, reel.as_ref(), &summary)?;
+        }
         let obsolete = self.begin(Stage::Output, &files)?;
         for file in &files {
             fs::rename(draft.path().join(file), folder.join(file))

@@ -28,7 +28,7 @@ impl Stage {
         match self {
             Stage::Mesh => 1,
             Stage::Solve => 6,
-            Stage::Output => 2,
+            Stage::Output => 3,
         }
     }
 

@@ -21,8 +21,13 @@ pub struct Composition {
 
 impl Composition {
     pub fn picture(&self) -> Picture {
-        let frame = &self.frame;
-        let plot = frame.paint(|plot| {
+        self.zoomed(1.0)
+    }
+
+    /// The picture with `zoom` pixels for one.
+    pub fn zoomed(&self, zoom: f64) -> Picture {
+        let frame = self.frame.zoomed(zoom);
+        let plot = frame.paint(zoom, |plot| {
             if let Some(content) = &self.content {
                 content(plot);
             }
@@ -39,13 +44,11 @@ impl Composition {
         }
         let mut pixels = Pixels {
             width: frame.page[0],
+            zoom,
             rgb: &mut rgb,
         };
         pixels.draw(&self.page);
-        Picture {
-            frame: frame.clone(),
-            rgb,
-        }
+        Picture { frame, rgb }
     }
 
     /// An SVG file's content.
@@ -59,7 +62,7 @@ impl Composition {
     /// The pixels below the shapes.
     pub(super) fn content(&self) -> Option<Vec<Rgb>> {
         let content = self.content.as_ref()?;
-        Some(self.frame.paint(content))
+        Some(self.frame.paint(1.0, content))
     }
 
     /// Width and height [pixels].

@@ -41,6 +41,8 @@ pub struct FieldPicture {
     /// Ends of the colour bar [unit of the field], so that several pictures compare; `None`: the
     /// field's own.
     pub range: Option<[f64; 2]>,
+    /// What must be in view as well [m].
+    pub in_view: Vec<[f64; 2]>,
     /// Whether the sign matters: a field of both signs then has the diverging map, white at zero.
     pub is_signed: bool,
     /// The factor by which displacements were exaggerated, to be told below the title.
@@ -72,6 +74,18 @@ impl FieldPicture {
     /// # Errors
     /// See [`PictureError`].
     pub fn compose(self) -> Result<Composition, PictureError> {
+        self.composed(None)
+    }
+
+    /// On a page like another one's, so that both can follow one another.
+    ///
+    /// # Errors
+    /// See [`PictureError`].
+    pub fn compose_like(self, other: &Composition) -> Result<Composition, PictureError> {
+        self.composed(Some(other.frame.clone()))
+    }
+
+    fn composed(self, frame: Option<Frame>) -> Result<Composition, PictureError> {
         check_finite(self.positions().flatten().chain(self.values()))?;
         let bounds = Bounds::of(self.positions()).ok_or(PictureError::Empty)?;
         let own = ColourScale::of(self.values());
@@ -92,7 +106,7 @@ impl FieldPicture {
             right: bar.width(),
             across: title_width(&self.title).max(text_width(&note) + bar.head_width(&self)),
         };
-        let frame = Frame::around(bounds, room);
+        let frame = frame.unwrap_or_else(|| Frame::around(bounds, room));
         let mut page = Page::with_axes(&frame);
         self.describe(&note, &bar, &frame, &mut page);
         let stroked = |paths: &[Vec<[f64; 2]>], width: f64, colour: Rgb| -> Vec<Shape> {
@@ -133,7 +147,8 @@ impl FieldPicture {
         let facets = self.facets.iter().flat_map(|facet| facet.corners);
         let squares = self.squares.iter().flat_map(|s| square(s.centre, s.side));
         let lines = self.cells.iter().chain(&self.lines).flatten().copied();
-        facets.chain(squares).chain(lines)
+        let in_view = self.in_view.iter().copied();
+        facets.chain(squares).chain(lines).chain(in_view)
     }
 
     fn fill(&self, frame: &Frame, scale: &ColourScale, plot: &mut Raster) {

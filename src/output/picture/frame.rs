@@ -185,11 +185,27 @@ impl Frame {
     }
 
     /// The pixels of the plot's inside.
-    pub fn paint(&self, draw: impl Fn(&mut Raster) + Sync) -> Vec<Rgb> {
-        paint(
-            [self.plot_width(), self.plot_height()].map(|p| p as usize),
-            draw,
-        )
+    pub fn paint(&self, zoom: f64, draw: impl Fn(&mut Raster) + Sync) -> Vec<Rgb> {
+        let size = [self.plot_width(), self.plot_height()];
+        paint(size.map(|p| p as usize), zoom, draw)
+    }
+
+    /// With `zoom` pixels for one.
+    pub fn zoomed(&self, zoom: f64) -> Frame {
+        let few = |pixels: i32| (f64::from(pixels) * zoom).ceil() as i32;
+        let [left, top, ..] = self.plot.map(few);
+        let plot = [
+            left,
+            top,
+            left + few(self.plot_width()),
+            top + few(self.plot_height()),
+        ];
+        Frame {
+            page: self.page.map(few),
+            plot,
+            scale: self.scale.map(|scale| zoom * scale),
+            ..self.clone()
+        }
     }
 
     /// Ticks along x (0) or y (1), in the axis's unit.

@@ -153,6 +153,8 @@ impl Page {
 pub(super) struct Pixels<'a> {
     /// [pixels]
     pub width: i32,
+    /// Pixels for one of the page.
+    pub zoom: f64,
     pub rgb: &'a mut [u8],
 }
 
@@ -167,7 +169,9 @@ impl Pixels<'_> {
     }
 
     fn fill(&mut self, Bar { place, colour }: &Bar) {
-        let [left, top, right, bottom] = *place;
+        let [left, top] = [place[0], place[1]].map(|p| (f64::from(p) * self.zoom).floor() as i32);
+        let [right, bottom] =
+            [place[2], place[3]].map(|p| (f64::from(p) * self.zoom).ceil() as i32);
         for y in top..bottom {
             for x in left..right {
                 self.mix([x, y], *colour, 1.0);
@@ -176,7 +180,13 @@ impl Pixels<'_> {
     }
 
     fn write(&mut self, text: &Text) {
-        let writing = text.writing();
+        let zoomed = |pixels: i32| (f64::from(pixels) * self.zoom).round() as i32;
+        let at = text.at.map(zoomed);
+        let writing = Text {
+            size: zoomed(text.size),
+            ..text.clone()
+        }
+        .writing();
         let along = match text.anchor {
             Anchor::Left => 0.0,
             Anchor::Middle => writing.width / 2.0,
@@ -187,7 +197,7 @@ impl Pixels<'_> {
         writing.each_pixel(|x, y, coverage| {
             let (x, y) = (x - along, y + foot);
             let [dx, dy] = if text.upright { [y, -x] } else { [x, y] };
-            self.mix([text.at[0] + dx, text.at[1] + dy], INK, coverage);
+            self.mix([at[0] + dx, at[1] + dy], INK, coverage);
         });
     }
 

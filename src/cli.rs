@@ -1,6 +1,7 @@
 //! The command line: arguments → pipelines, progress to standard error, results to standard output.
 //! Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.
 
+mod view;
 mod watch;
 
 use crate::fracture::control::{Ending, Resolution};
@@ -44,6 +45,7 @@ Examples:
   peristitch run p.yaml --set geometry.parameters.element=5 --set regions.1.horizon=3
   peristitch watch p.yaml
   peristitch check p.yaml
+  peristitch view p.yaml
   peristitch explain p.yaml
   peristitch verify
 
@@ -109,6 +111,17 @@ enum Command {
     Status(Common),
     /// Print why stages are stale
     Explain(Common),
+    /// Show the results in ParaView, prepared: deformed shape, damage, mesh; or draw them into a PNG file
+    View {
+        #[command(flatten)]
+        common: Common,
+        /// Draw a picture instead, by pvpython or by VTK's Python package
+        #[arg(long, value_name = "FILE")]
+        png: Option<PathBuf>,
+        /// The step of a fracture run to draw, one that has a frame [default: the last]
+        #[arg(long, value_name = "STEP", requires = "png")]
+        step: Option<usize>,
+    },
     /// Remove the results
     Clean(Common),
     /// Measure what the program gets right, here and now, against references; some minutes
@@ -212,6 +225,17 @@ pub fn main() -> ExitCode {
         }
         Command::Status(common) => for_each(&common, |plan| list(plan, false)),
         Command::Explain(common) => for_each(&common, |plan| list(plan, true)),
+        Command::View { common, png, step } => match png {
+            None => for_each(&common, view::show),
+            Some(file) => match common.pipelines.as_slice() {
+                [_] => for_each(&common, |plan| view::draw(plan, &file, step)),
+                _ => {
+                    let message = "--png: one file cannot hold the pictures of several pipelines";
+                    let help = "name one pipeline".to_owned();
+                    report(InputError::plain(message, Some(help)).into())
+                }
+            },
+        },
         Command::Clean(common) => for_each(&common, |plan| {
             let removed = folder::clean(plan)?;
             println!("{}: {removed} files removed", plan.folder.display());
@@ -610,6 +634,7 @@ fn print_files(plan: &Plan, summary: &Value) {
         let what = match file.rsplit('.').next() {
             Some("pvd") => "open it in ParaView",
             Some("png" | "svg") => "picture",
+            Some("py") => "shows them in ParaView: `peristitch view`",
             Some("gif") => "the damage as it grows",
             Some("html") => "all of it on one page: open it in a browser",
             _ => "sizes, times, versions",

@@ -34,5 +34,6 @@ pub mod sources;
 pub mod spec;
 pub mod stamp;
 pub mod validate;
+pub mod view;
 mod workshop;
 pub mod yaml;

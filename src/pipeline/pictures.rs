@@ -21,9 +21,9 @@ use std::path::Path;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sheet {
     Mesh,
-    /// A component of the displacement of the last state.
+    /// A component of the displacement, of the frame with the largest reaction.
     Displacement(usize),
-    /// Of the frame with the largest reaction.
+    /// Of that frame as well.
     Stress(Measure),
     /// Of the last state.
     Damage,
@@ -145,10 +145,12 @@ impl Outcome<'_> {
             (Sheet::LoadDisplacement, Some(course)) => load_displacement(plan, course).compose(),
             (Sheet::Energies, Some(course)) => energies(plan, course).compose(),
             (Sheet::Displacement(axis), _) => {
-                displacement_map(plan, model, axis, last_step, u).compose()
+                let frame = self.most_loaded()?;
+                let step = course.map(|_| frame.step);
+                displacement_map(plan, model, axis, step, &frame.displacement).compose()
             }
             (Sheet::Stress(measure), _) => {
-                let frame = self.stressed()?;
+                let frame = self.most_loaded()?;
                 let step = course.map(|_| frame.step);
                 stress_map(plan, model, measure, step, &frame).compose()
             }
@@ -168,10 +170,10 @@ impl Outcome<'_> {
         Ok(composition.map_err(ResultsError::from)?)
     }
 
-    /// The state whose stress is drawn: when a body has come apart, it carries none.
-    fn stressed(&self) -> Result<Frame, RunError> {
+    /// The state that is mapped: when a body has come apart, it carries nothing.
+    fn most_loaded(&self) -> Result<Frame, RunError> {
         let solved = self.solved;
-        match solved.fracture.as_ref().and_then(most_loaded) {
+        match solved.fracture.as_ref().and_then(most_loaded_step) {
             Some(step) => read_frame(&self.plan.folder, step),
             None => Ok(Frame {
                 step: 0,
@@ -210,7 +212,7 @@ impl Outcome<'_> {
 }
 
 /// Of the steps with a frame that with the largest reaction.
-fn most_loaded(course: &Course) -> Option<usize> {
+fn most_loaded_step(course: &Course) -> Option<usize> {
     let framed = |line: &&super::history::Line| course.frames.contains(&line.step);
     let lines = course.history.iter().filter(framed);
     let most = lines.max_by(|a, b| a.reaction.total_cmp(&b.reaction));

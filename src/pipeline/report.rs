@@ -20,6 +20,8 @@ pub const REPORT_FILE: &str = "report.html";
 const LARGEST_SCRIPT: u64 = 200_000;
 /// The slider's pictures together, before they become text [bytes].
 const MOST_FRAMES: usize = 2_500_000;
+/// Reactions below this share of the largest are what rounding leaves of zero.
+const ROUNDING: f64 = 1e-9;
 /// Points of the chart that can be pointed at.
 const MOST_POINTS: usize = 1000;
 /// Of the summary, what differs from run to run, or has a place of its own.
@@ -231,12 +233,24 @@ fn numbers(summary: &Value) -> Vec<[String; 2]> {
     ];
     for (key, name) in events {
         let event = &fracture[key];
+        // Under the other controls the load only grows: its end.
+        if key == "envelope_peak" && control != "event-driven" {
+            continue;
+        }
         if let Some(step) = event["step"].as_u64() {
             let number = |key: &str| event[key].as_f64().unwrap_or(f64::NAN);
+            let reference = match (key, control) {
+                (_, "event-driven") => None,
+                ("first_break", _) => fracture["reference"]["first_break"].as_u64(),
+                ("end", _) => fracture["reference"]["separated"].as_u64(),
+                _ => None,
+            };
+            let reference =
+                reference.map_or_else(String::new, |step| format!(" (reference: step {step})"));
             row(
                 name,
                 format!(
-                    "step {step}: load factor {}, grip displacement {}, reaction {}",
+                    "step {step}{reference}: load factor {}, grip displacement {}, reaction {}",
                     quantity(number("load_factor"), ""),
                     quantity(number("grip_displacement_m"), "m"),
                     quantity(number("reaction_n"), "N")
@@ -257,8 +271,16 @@ fn numbers(summary: &Value) -> Vec<[String; 2]> {
             described_probe(probe),
         );
     }
-    for (group, force) in summary["reactions_n"].as_object().into_iter().flatten() {
-        let [x, y] = [0, 1].map(|axis| quantity(force[axis].as_f64().unwrap_or(f64::NAN), "N"));
+    let groups = || summary["reactions_n"].as_object().into_iter().flatten();
+    let force = |value: &Value, axis: usize| value[axis].as_f64().unwrap_or(f64::NAN);
+    let largest = groups()
+        .flat_map(|(_, value)| [0, 1].map(|axis| force(value, axis).abs()))
+        .fold(0.0, f64::max);
+    for (group, value) in groups() {
+        let [x, y] = [0, 1].map(|axis| match force(value, axis) {
+            force if force.abs() <= ROUNDING * largest => "0".to_owned(),
+            force => quantity(force, "N"),
+        });
         row(&format!("reaction on {group}"), format!("x {x}, y {y}"));
     }
     let sizes = [

@@ -66,6 +66,7 @@ impl Outcome<'_> {
             trace: phases.trace().clone(),
         };
         let mut made = phases.measure("vtu", || workshop.parts())?;
+        made.push(workshop.view()?);
         if !self.plan.output.pictures.is_none() {
             made.extend(phases.measure("pictures", || workshop.pictures())?);
         }

@@ -66,6 +66,8 @@ pub enum RunError {
     },
     #[error("another run is writing to {}", .folder.display())]
     Busy { folder: PathBuf },
+    #[error("{message}")]
+    Viewer { message: String, help: String },
 }
 
 impl RunError {
@@ -78,6 +80,7 @@ impl RunError {
                 folder.display()
             )),
             RunError::Busy { .. } => Some("wait until it has ended".to_owned()),
+            RunError::Viewer { help, .. } => Some(help.clone()),
             RunError::File { .. } | RunError::Write(_) => Some(
                 "is there space, and may you write there? `--results FOLDER` chooses another place"
                     .to_owned(),

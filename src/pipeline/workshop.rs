@@ -7,6 +7,7 @@ use super::parts::{PartKind, Parts};
 use super::results::{Outcome, ResultsError};
 use super::run::RunError;
 use super::spec::Format;
+use super::view::VIEW_FILE;
 use crate::output::{pvd, write_whole};
 use crate::trace::Trace;
 use rayon::prelude::*;
@@ -74,6 +75,15 @@ impl Workshop<'_> {
             let xml = pvd::to_xml(&entries)?;
             write_whole(&self.folder.join(name), xml.as_bytes())?;
             Ok([xml.len() as u64; 2])
+        })
+    }
+
+    /// The script that shows the parts.
+    pub fn view(&self) -> Result<Made, ResultsError> {
+        Made::measured(VIEW_FILE.to_owned(), &self.trace, |name| {
+            let text = self.outcome.view();
+            write_whole(&self.folder.join(name), text.as_bytes())?;
+            Ok([text.len() as u64; 2])
         })
     }
 

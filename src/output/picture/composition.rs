@@ -10,6 +10,9 @@ use crate::output::colour::{Rgb, WHITE};
 /// Draws the part of a plot that stays pixels in any form.
 pub(super) type Content = Box<dyn Fn(&mut Raster) + Send + Sync>;
 
+/// Width of the thinnest line of a small picture [pixels of it].
+const THINNEST: f64 = 0.8;
+
 /// All that a picture shows, placed.
 pub struct Composition {
     pub(super) frame: Frame,
@@ -27,12 +30,13 @@ impl Composition {
     /// The picture with `zoom` pixels for one.
     pub fn zoomed(&self, zoom: f64) -> Picture {
         let frame = self.frame.zoomed(zoom);
+        let thinnest = if zoom < 1.0 { THINNEST / zoom } else { 0.0 };
         let plot = frame.paint(zoom, |plot| {
             if let Some(content) = &self.content {
                 content(plot);
             }
             for shape in &self.shapes {
-                shape.paint(plot);
+                shape.paint(thinnest, plot);
             }
         });
         let [page_width, left, top] =

@@ -259,7 +259,9 @@ impl ColourBar {
         for y in top..bottom {
             let share = (f64::from(bottom - y) - 0.5) / height;
             let colour = self.scale.colour(self.scale.min + share * range);
-            page.fill_box([left, y, left + BAR_WIDTH, y + 1], colour);
+            // Overlapping, so that no seam shows at another size.
+            let end = (y + 2).min(bottom);
+            page.fill_box([left, y, left + BAR_WIDTH, end], colour);
         }
         page.draw_box([left - 1, top - 1, left + BAR_WIDTH, bottom], INK);
         for (value, label) in self.ticks(bottom - top) {

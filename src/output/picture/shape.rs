@@ -30,14 +30,15 @@ pub(super) enum Shape {
 }
 
 impl Shape {
-    pub fn paint(&self, plot: &mut Raster) {
+    /// `thinnest`: least width of a line of a mesh [pixels of the plot], below which it would break up.
+    pub fn paint(&self, thinnest: f64, plot: &mut Raster) {
         match self {
             Shape::Fill { corners, colour } => plot.fill(corners, *colour),
             Shape::Stroke {
                 path,
                 width,
                 colour,
-            } => plot.stroke(path, *width, *colour),
+            } => plot.stroke(path, width.max(thinnest), *colour),
             Shape::Trace {
                 path,
                 width,

@@ -56,7 +56,8 @@ pub(super) fn svg(composition: &Composition) -> Result<String, PictureError> {
                 let [l, t, r, b] = bar.place;
                 let _ = writeln!(
                     svg,
-                    "<rect x=\"{l}\" y=\"{t}\" width=\"{}\" height=\"{}\" fill=\"{}\"/>",
+                    "<rect x=\"{l}\" y=\"{t}\" width=\"{}\" height=\"{}\" fill=\"{}\" \
+                     shape-rendering=\"crispEdges\"/>",
                     r - l,
                     b - t,
                     hex(bar.colour)

@@ -9,6 +9,7 @@ use crate::pipeline::damage_picture::DAMAGE_PICTURE;
 use crate::pipeline::folder;
 use crate::pipeline::plan::Plan;
 use crate::pipeline::profile;
+use crate::pipeline::report::REPORT_FILE;
 use crate::pipeline::run::{self, Observer, Options, RunError, Standing};
 use crate::pipeline::scribe;
 use crate::pipeline::source::InputError;
@@ -623,20 +624,21 @@ fn print_picture(plan: &Plan, summary: &Value) {
 
 fn print_files(plan: &Plan, summary: &Value) {
     let folder = plan.folder.display();
+    let files = list_in(summary, "files");
+    let files = || files.iter().filter_map(Value::as_str);
+    if files().any(|file| file == REPORT_FILE) {
+        println!("  {folder}/{REPORT_FILE}  (all of it on one page, for a browser)");
+    }
     if !summary["fracture"].is_null() {
         println!("  {folder}/{}  (a line per step)", scribe::HISTORY_FILE);
     }
-    for file in list_in(summary, "files")
-        .iter()
-        .filter_map(Value::as_str)
-        .filter(|file| !file.ends_with(".vtu"))
-    {
+    for file in files() {
         let what = match file.rsplit('.').next() {
-            Some("pvd") => "open it in ParaView",
+            // Listed by the series, or above, or meant for `view`.
+            Some("vtu" | "html" | "py") => continue,
+            Some("pvd") => "for ParaView: `peristitch view`",
             Some("png" | "svg") => "picture",
-            Some("py") => "shows them in ParaView: `peristitch view`",
             Some("gif") => "the damage as it grows",
-            Some("html") => "all of it on one page: open it in a browser",
             _ => "sizes, times, versions",
         };
         println!("  {folder}/{file}  ({what})");

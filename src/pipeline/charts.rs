@@ -1,8 +1,9 @@
 //! The course of a fracture run as charts: reaction over grip displacement, energies.
 
 use super::history::Line;
-use super::plan::Plan;
+use super::plan::{Loading, Plan};
 use super::solved::Course;
+use crate::fracture::control::Control;
 use crate::output::picture::{Axis, Chart, Curve, Mark};
 
 /// Steps that break bonds are shown one by one if there are no more of them.
@@ -80,14 +81,16 @@ fn events(course: &Course) -> Vec<(&Line, String)> {
         .collect()
 }
 
-/// Elastic and dissipated energy and the work of the loads; over the load factor, in a programme of
-/// several phases over the step.
+/// Elastic and dissipated energy and the work of the loads; over the load factor where it only grows, else,
+/// event-driven or in a programme of several phases, over the step.
 pub(super) fn energies(plan: &Plan, course: &Course) -> Chart {
     let history = &course.history;
-    let phases = plan.loading.as_ref().map_or(1, |l| l.phases.len());
-    let (name, of): (&str, fn(&Line) -> f64) = match phases {
-        1 => ("load factor", |line| line.load_factor),
-        _ => ("step", |line| line.step as f64),
+    let turns = |loading: &Loading| {
+        loading.phases.len() > 1 || matches!(loading.control, Control::EventDriven)
+    };
+    let (name, of): (&str, fn(&Line) -> f64) = match &plan.loading {
+        Some(loading) if turns(loading) => ("step", |line| line.step as f64),
+        _ => ("load factor", |line| line.load_factor),
     };
     let curve = |name: &str, energy: fn(&Line) -> f64| Curve {
         name: name.to_owned(),

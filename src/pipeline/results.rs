@@ -70,23 +70,18 @@ impl Outcome<'_> {
         if !self.plan.output.pictures.is_none() {
             made.extend(phases.measure("pictures", || workshop.pictures())?);
         }
-        let reel = phases.measure("animation", || self.reel())?;
-        if let (Some(reel), true) = (&reel, self.plan.output.animation) {
+        let output = &self.plan.output;
+        let is_shown = output.is_animated() || output.is_reported();
+        let Some(course) = self.solved.fracture.as_ref().filter(|_| is_shown) else {
+            return Ok((made, None));
+        };
+        let draw = || Reel::new(self.plan, self.model, course);
+        let reel = phases.measure("animation", draw)?;
+        if output.is_animated() {
             let film = || reel.film(folder, &workshop.trace);
             made.push(phases.measure("animation", film)?);
         }
-        Ok((made, reel))
-    }
-
-    /// Where the film or the report's slider wants it.
-    fn reel(&self) -> Result<Option<Reel>, RunError> {
-        let output = &self.plan.output;
-        match &self.solved.fracture {
-            Some(course) if output.animation || output.report => {
-                Reel::new(self.plan, self.model, course).map(Some)
-            }
-            _ => Ok(None),
-        }
+        Ok((made, Some(reel)))
     }
 
     pub(super) fn parts(&self) -> Parts<'_> {

@@ -504,14 +504,14 @@ impl Run<'_> {
         self.costs.append(costs);
         let made = self.costs.made.iter();
         let mut files: Vec<String> = made.map(|made| made.name.clone()).collect();
-        if self.plan.output.report {
+        if self.plan.output.is_reported() {
             files.push(REPORT_FILE.to_owned());
         }
         files.push(SUMMARY_FILE.to_owned());
         let summary = outcome.summary(&files, &self.costs);
         let text = serde_json::to_string_pretty(&summary).expect("a summary is plain data") + "\n";
         write_whole(&draft.path().join(SUMMARY_FILE), text.as_bytes())?;
-        if self.plan.output.report {
+        if self.plan.output.is_reported() {
             outcome.report(draft.path(), &self.costs.made, reel.as_ref(), &summary)?;
         }
         let obsolete = self.begin(Stage::Output, &files)?;

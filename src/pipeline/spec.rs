@@ -382,10 +382,12 @@ pub struct Output {
     pub pictures_at: Vec<usize>,
     /// Of the pictures.
     pub formats: Vec<Format>,
-    /// The damage of a fracture run's frames as a film.
-    pub animation: bool,
-    /// All of it on one page.
-    pub report: bool,
+    /// The damage of a fracture run's frames as a film; as `pictures` where it is not said.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub animation: Option<bool>,
+    /// All of it on one page; as `pictures` where it is not said.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub report: Option<bool>,
 }
 
 impl Default for Output {
@@ -398,8 +400,8 @@ impl Default for Output {
             pictures: Pictures::Usual,
             pictures_at: Vec::new(),
             formats: vec![Format::Png],
-            animation: true,
-            report: true,
+            animation: None,
+            report: None,
         }
     }
 }
@@ -409,6 +411,14 @@ impl Output {
     pub fn formats(&self) -> Vec<Format> {
         let all = [Format::Png, Format::Svg].into_iter();
         all.filter(|format| self.formats.contains(format)).collect()
+    }
+
+    pub fn is_animated(&self) -> bool {
+        self.animation.unwrap_or(self.pictures != Pictures::None)
+    }
+
+    pub fn is_reported(&self) -> bool {
+        self.report.unwrap_or(self.pictures != Pictures::None)
     }
 }
 

@@ -133,7 +133,7 @@ impl FieldPicture {
         let width = frame.page[0] - frame.plot[0] - GAP;
         page.draw_title(frame, &shortened(&self.title, width, title_width));
         let at = [frame.plot[0], GAP + TITLE_SIZE + GAP + TEXT_SIZE / 2];
-        let note = shortened(note, width - bar.head_width(self), text_width);
+        let note = shortened(note, width + GAP - bar.head_width(self), text_width);
         page.draw_text(&note, at, Anchor::Left);
         bar.draw(page, frame, &self.quantity);
     }

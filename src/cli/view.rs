@@ -2,8 +2,10 @@
 //! draw it here: `pvpython`, else a Python that has VTK's package.
 
 use crate::pipeline::plan::Plan;
-use crate::pipeline::run::RunError;
+use crate::pipeline::run::{RunError, read_summary};
+use crate::pipeline::source::InputError;
 use crate::pipeline::view::VIEW_FILE;
+use serde_json::Value;
 use std::env;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -43,6 +45,7 @@ pub(super) fn show(plan: &Plan) -> Result<(), RunError> {
 /// Draws a picture into `file`.
 pub(super) fn draw(plan: &Plan, file: &Path, step: Option<usize>) -> Result<(), RunError> {
     let script = script(plan)?;
+    step.map_or(Ok(()), |step| check_step(plan, step))?;
     // A picture that is cut off by a crash must not pass for one.
     let partial = absolute(file).with_extension("partial.png");
     let mut failures = Vec::new();
@@ -113,6 +116,30 @@ fn reason(output: &Output) -> String {
         Some(line) if output.status.code().is_some() => line.trim().to_owned(),
         _ => output.status.to_string(),
     }
+}
+
+/// The steps that can be drawn are those with a frame.
+fn check_step(plan: &Plan, step: usize) -> Result<(), InputError> {
+    let summary = read_summary(&plan.folder).unwrap_or_default();
+    let frames = summary["fracture"]["frames"].as_array();
+    let frames: Vec<u64> = frames
+        .into_iter()
+        .flatten()
+        .filter_map(Value::as_u64)
+        .collect();
+    if frames.contains(&(step as u64)) {
+        return Ok(());
+    }
+    let there: Vec<String> = frames.iter().map(ToString::to_string).collect();
+    let help = match there.as_slice() {
+        [] => "only a run with `loading` has steps: leave --step out".to_owned(),
+        there => format!(
+            "there are: {}; `output.every` says how many",
+            there.join(", ")
+        ),
+    };
+    let message = format!("--step: {} has no frame of step {step}", plan.name);
+    Err(InputError::plain(message, Some(help)))
 }
 
 fn script(plan: &Plan) -> Result<PathBuf, RunError> {

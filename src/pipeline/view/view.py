@@ -169,8 +169,13 @@ def show_in_paraview(picture, step):
     bar.AutomaticLabelFormat = 0
     bar.LabelFormat = bar.RangeLabelFormat = "%-#.3g"
     bar.Visibility = 1
-    text = pv.Text(registrationName="title")
-    text.Text = title(time)
+    if len(series()) > 1:
+        # It follows the time bar.
+        text = pv.AnnotateTimeFilter(registrationName="title", Input=reader)
+        text.Format = NAME + (", step {time:g}" if pv.GetParaViewVersion() >= (5, 11) else ", step %g")
+    else:
+        text = pv.Text(registrationName="title")
+        text.Text = NAME
     display = pv.Show(text, view)
     display.Color = INK
     display.FontSize = 26 if picture else 16

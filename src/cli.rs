@@ -1,6 +1,9 @@
 //! The command line: arguments → pipelines, progress to standard error, results to standard output.
 //! Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.
 
+mod new;
+mod study;
+mod sweep;
 mod watch;
 
 use crate::fracture::control::{Ending, Resolution};
@@ -39,12 +42,14 @@ struct Cli {
 
 const EXAMPLES: &str = "\
 Examples:
-  peristitch run pipelines/cantilever_hybrid_q8.yaml
+  peristitch new my_plate
+  peristitch run my_plate.yaml
   peristitch run pipelines/*.yaml --until mesh
   peristitch run p.yaml --set geometry.parameters.element=5 --set regions.1.horizon=3
   peristitch watch p.yaml
   peristitch check p.yaml
   peristitch explain p.yaml
+  peristitch sweep p.yaml
   peristitch verify
 
 Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.";
@@ -59,6 +64,12 @@ the same command continues.";
 
 #[derive(Subcommand)]
 enum Command {
+    /// Write NAME.geo and NAME.yaml, a plate that runs, to begin with
+    New {
+        /// Such as my_plate, or studies/my_plate
+        #[arg(value_name = "NAME")]
+        name: PathBuf,
+    },
     /// Run every stage that is stale: mesh, solve, output
     Run {
         #[command(flatten)]
@@ -87,6 +98,9 @@ enum Command {
         /// Print the numbers and one picture, not every file
         #[arg(long)]
         brief: bool,
+        /// End when standard input ends: with the process that started this one
+        #[arg(long, hide = true)]
+        tied: bool,
     },
     /// Run, and run again whenever the YAML, the .geo or what it includes is saved
     #[command(after_help = WATCH_HELP)]
@@ -111,6 +125,11 @@ enum Command {
     Explain(Common),
     /// Remove the results
     Clean(Common),
+    /// Run the study that the pipeline's `sweep` describes, and write its table
+    #[command(after_help = study::SWEEP_HELP)]
+    Sweep(study::SweepArguments),
+    /// Write the runs of a study as a Makefile or a Snakefile
+    Plan(study::PlanArguments),
     /// Measure what the program gets right, here and now, against references; some minutes
     Verify {
         /// Only the cases that take a second or so
@@ -179,7 +198,11 @@ pub fn main() -> ExitCode {
             iterative_solver,
             trace,
             brief,
+            tied,
         } => {
+            if tied {
+                end_with_parent();
+            }
             if let Some(threads) = threads {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
                 pool.build_global().expect("no parallel work has begun yet");
@@ -217,12 +240,36 @@ pub fn main() -> ExitCode {
             println!("{}: {removed} files removed", plan.folder.display());
             Ok(())
         }),
+        Command::New { name } => begin(&name),
+        Command::Sweep(arguments) => study::sweep(&arguments),
+        Command::Plan(arguments) => study::plan(&arguments),
         Command::Verify {
             quick,
             json,
             markdown,
         } => verify(quick, json, markdown),
     }
+}
+
+fn begin(name: &Path) -> ExitCode {
+    match new::new(name) {
+        Ok([geometry, pipeline]) => {
+            println!("{}  (the geometry: open it in Gmsh)", geometry.display());
+            println!("{}  (what to compute)", pipeline.display());
+            println!("next: peristitch run {}", pipeline.display());
+            ExitCode::SUCCESS
+        }
+        Err(error) => report(error.into()),
+    }
+}
+
+/// A run may end at any moment; one whose parent has gone must not go on by itself.
+fn end_with_parent() {
+    std::thread::spawn(|| {
+        // Nothing is ever written there: this returns when the parent's end of the pipe is closed.
+        let _ = std::io::copy(&mut std::io::stdin(), &mut std::io::sink());
+        std::process::exit(INTERRUPTED.into());
+    });
 }
 
 /// A pipeline that is wrong may become right, but it must be there.

@@ -216,14 +216,25 @@ pub fn run(
     run.output(&outcome).map(Some)
 }
 
-/// The geometry, meshed and checked, without writing anything: for `check`.
+/// The geometry, meshed unless a fresh mesh is there, and checked, without writing anything.
 ///
 /// # Errors
 /// See [`RunError`].
 pub fn discretised(plan: &Plan, options: &Options) -> Result<(Model, Boundary, Extract), RunError> {
-    let extract = mesh_geometry(plan, options)?;
+    let extract = match stored_mesh(plan)? {
+        Some(extract) => extract,
+        None => mesh_geometry(plan, options)?,
+    };
     let (model, boundary) = discretise(plan, to_mesh(plan, &extract)?)?;
     Ok((model, boundary, extract))
+}
+
+/// What the mesh stage has kept, if it is fresh.
+fn stored_mesh(plan: &Plan) -> Result<Option<Extract>, RunError> {
+    let recipe = recipe(plan, Stage::Mesh, &|_| String::new())?;
+    let is_fresh = stamp::stale(&plan.folder, Stage::Mesh, &recipe).is_empty();
+    let stored = is_fresh.then(|| read_stored(&plan.folder.join(MESH_FILE)));
+    Ok(stored.flatten().map(|(extract, _)| extract))
 }
 
 /// The mesh stage's result.

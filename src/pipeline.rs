@@ -21,6 +21,7 @@ mod reader;
 mod recipe;
 pub mod results;
 pub mod run;
+pub mod schema;
 pub mod scribe;
 pub mod solved;
 pub mod source;

@@ -316,7 +316,10 @@ fn every_command_and_option_is_described() {
     let commands: Vec<&str> = commands
         .filter_map(|line| line.split_whitespace().next())
         .collect();
-    assert!(commands.len() >= 10 && commands.ends_with(&["help"]), "{commands:?}");
+    assert!(
+        commands.len() >= 10 && commands.ends_with(&["help"]),
+        "{commands:?}"
+    );
     for command in &commands[..commands.len() - 1] {
         assert!(
             PIPELINE_PAGE.contains(&format!("| `{command}` |")),

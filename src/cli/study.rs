@@ -181,14 +181,7 @@ fn print_table(study: &Study, rows: &[Row], chosen: &[usize]) {
     }
 }
 
-pub(super) fn plan(arguments: &PlanArguments) -> ExitCode {
-    match write_plan(arguments) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => report(error),
-    }
-}
-
-fn write_plan(arguments: &PlanArguments) -> Result<(), RunError> {
+pub(super) fn plan(arguments: &PlanArguments) -> Result<(), RunError> {
     let common = &arguments.common;
     let [study] = &studies(common)?[..] else {
         let message = "`plan` takes one pipeline";

@@ -134,7 +134,7 @@ fn points(source: &Source, sweep: &Sweep) -> Result<Vec<Vec<String>>, InputError
                 let with = |point: &Vec<String>| -> Vec<Vec<String>> {
                     let longer = list
                         .iter()
-                        .map(|value| [point.as_slice(), &[value.clone()]].concat());
+                        .map(|value| [point.as_slice(), std::slice::from_ref(value)].concat());
                     longer.collect()
                 };
                 points = points.iter().flat_map(with).collect();

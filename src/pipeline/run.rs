@@ -4,7 +4,9 @@
 use super::costs::{Costs, StoredCosts};
 use super::damage_picture::DAMAGE_PICTURE;
 use super::drafter::Drafts;
-use super::folder::{DRAFT_FOLDER, draft, file_error, hash_of, lock, remove, remove_folder, sweep};
+use super::folder::{
+    DRAFT_FOLDER, draft, file_error, hash_of, lock, remove, remove_folder, settled, sweep,
+};
 use super::fracture::{self, Fractured, Task, forget_checkpoint, frame_file};
 use super::made::{Made, account};
 use super::meshing::{mesh_geometry, to_mesh};
@@ -25,6 +27,7 @@ use crate::output::{WriteError, write_whole};
 use crate::phases::{Phases, peak_memory};
 use crate::statics::{self, Method, Solution, StaticsError};
 use crate::trace::{Kind, Trace};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -64,8 +67,16 @@ pub enum RunError {
         reason: String,
         folder: PathBuf,
     },
-    #[error("another run is writing to {}", .folder.display())]
-    Busy { folder: PathBuf },
+    /// `holder`: who writes there, if that is known.
+    #[error("another run is writing to {}{}", .folder.display(), by(.holder))]
+    Busy { folder: PathBuf, holder: String },
+}
+
+fn by(holder: &str) -> String {
+    match holder {
+        "" => String::new(),
+        holder => format!(": {holder}"),
+    }
 }
 
 impl RunError {
@@ -77,7 +88,10 @@ impl RunError {
                  `control: event-driven` or a support that holds what comes loose may help",
                 folder.display()
             )),
-            RunError::Busy { .. } => Some("wait until it has ended".to_owned()),
+            RunError::Busy { .. } => Some(
+                "wait until it has ended, or end it: what it has done is kept, and the next run goes on"
+                    .to_owned(),
+            ),
             RunError::File { .. } | RunError::Write(_) => Some(
                 "is there space, and may you write there? `--results FOLDER` chooses another place"
                     .to_owned(),
@@ -628,10 +642,9 @@ impl Run<'_> {
         costs: &Costs,
     ) -> Result<(), RunError> {
         let folder = &self.plan.folder;
-        let mut outputs = BTreeMap::new();
-        for name in files {
-            outputs.insert(name.clone(), hash_of(&folder.join(name))?);
-        }
+        let settle = |name: &String| Ok((name.clone(), settled(&folder.join(name))?));
+        let outputs = files.par_iter().map(settle);
+        let outputs: BTreeMap<String, String> = outputs.collect::<Result<_, RunError>>()?;
         Ok(stamp::write(
             folder,
             stage,

@@ -10,6 +10,7 @@
 //!
 //! - [`library`]: where the shared library is sought.
 //! - [`geo_script`]: which parameters a `.geo` offers, and which files it depends upon.
+//! - [`parameter`]: what a parameter may be.
 //! - [`extract`]: the physical groups that Gmsh delivered, as they are cached.
 //! - [`to_mesh`]: the checks and the conversion to metres.
 
@@ -28,6 +29,7 @@ pub mod extract;
 mod ffi;
 pub mod geo_script;
 pub mod library;
+pub mod parameter;
 pub mod to_mesh;
 mod worker;
 
@@ -50,10 +52,27 @@ const POLL: Duration = Duration::from_millis(5);
 
 /// A value for a parameter of the geometry.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
 pub enum Value {
     Number(f64),
     Text(String),
+}
+
+impl Value {
+    pub fn number(self) -> Option<f64> {
+        match self {
+            Value::Number(number) => Some(number),
+            Value::Text(_) => None,
+        }
+    }
+}
+
+impl std::fmt::Display for Value {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Value::Number(number) => write!(f, "{number}"),
+            Value::Text(text) => write!(f, "'{text}'"),
+        }
+    }
 }
 
 impl From<f64> for Value {
@@ -122,7 +141,7 @@ pub enum GmshError {
     ParameterValue {
         file: PathBuf,
         name: String,
-        expected: &'static str,
+        expected: String,
         given: String,
     },
     #[error(
@@ -184,6 +203,10 @@ pub fn mesh(
         geometry: absolute_text(geometry)?,
         mesh_dimension,
         arguments: arguments(parameters),
+        parameters: script
+            .iter()
+            .flat_map(|script| script.parameters.keys().cloned())
+            .collect(),
         libraries,
         outcome: folder.path().join("outcome"),
     };
@@ -191,14 +214,29 @@ pub fn mesh(
     let end = run_worker(&request, &log_file, options)?;
     let log = last_lines(&log_file);
     let mut extract = conclude(geometry, &request, end, log, options.time_limit)?;
-    extract
-        .warnings
-        .extend(script.into_iter().flat_map(|script| script.warnings));
+    if let Some(script) = script {
+        add_known_values(&mut extract.parameters, &script, parameters);
+        extract.warnings.extend(script.warnings);
+    }
     Ok(extract)
 }
 
+/// Adds to the values that Gmsh tells (from 4.9 on) those that are known without it.
+fn add_known_values(
+    values: &mut BTreeMap<String, Value>,
+    script: &GeoScript,
+    given: &BTreeMap<String, Value>,
+) {
+    for (name, parameter) in &script.parameters {
+        let known = given.get(name).cloned().or(parameter.default.value());
+        if let Some(value) = known {
+            values.entry(name.clone()).or_insert(value);
+        }
+    }
+}
+
 /// What can be read of a `.geo` without running it; None for other files.
-fn read_script(file: &Path) -> Result<Option<GeoScript>, GmshError> {
+pub fn read_script(file: &Path) -> Result<Option<GeoScript>, GmshError> {
     if file.extension().is_none_or(|extension| extension != "geo") {
         return Ok(None);
     }
@@ -297,18 +335,15 @@ fn check_parameter(
             name,
         });
     };
-    let (expected, given) = match (&parameter.default, value) {
-        (_, Value::Number(number)) if !number.is_finite() => ("finite", number.to_string()),
-        (geo_script::Default::Number(_), Value::Text(text)) => ("a number", format!("'{text}'")),
-        (geo_script::Default::Text(_), Value::Number(number)) => ("a text", number.to_string()),
-        _ => return Ok(()),
-    };
-    Err(GmshError::ParameterValue {
-        file,
-        name: name.to_owned(),
-        expected,
-        given,
-    })
+    match parameter.refuses(value) {
+        None => Ok(()),
+        Some(expected) => Err(GmshError::ParameterValue {
+            file,
+            name: name.to_owned(),
+            expected,
+            given: value.to_string(),
+        }),
+    }
 }
 
 /// Gmsh's command line. Only there do values override `DefineConstant`.

@@ -211,7 +211,7 @@ pub fn run(
         model: &model,
         boundary: &boundary,
         solved: &solved,
-        gmsh_version: &mesh.extract.gmsh_version,
+        extract: &mesh.extract,
     };
     run.output(&outcome).map(Some)
 }
@@ -280,7 +280,8 @@ impl Run<'_> {
         let mut phases = self.phases();
         let extract = phases.measure("gmsh", || mesh_geometry(self.plan, self.options))?;
         for warning in &extract.warnings {
-            self.observer.warns(&format!("Gmsh: {warning}"));
+            let program = &extract.origin.program;
+            self.observer.warns(&format!("{program}: {warning}"));
         }
         let bytes = encode(&extract);
         self.kept.insert(MESH_FILE, stamp::hash(&bytes));
@@ -339,8 +340,8 @@ impl Run<'_> {
             &costs,
         )?;
         let what = format!(
-            "Gmsh {}: {} nodes, {} groups",
-            mesh.extract.gmsh_version,
+            "{}: {} nodes, {} groups",
+            mesh.extract.origin,
             mesh.extract.nodes.len(),
             mesh.extract.groups.len()
         );

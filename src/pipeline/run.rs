@@ -20,6 +20,7 @@ use crate::boundary::Boundary;
 use crate::coupling::Coupling;
 use crate::fracture::control::Resolution;
 use crate::gmsh::{self, Extract, GmshError};
+use crate::meshio::{self, MeshioError};
 use crate::model::Model;
 use crate::output::{WriteError, write_whole};
 use crate::phases::{Phases, peak_memory};
@@ -44,6 +45,8 @@ pub enum RunError {
     /// Exit code 1, like all that follow.
     #[error(transparent)]
     Gmsh(Box<GmshError>),
+    #[error(transparent)]
+    Meshio(Box<MeshioError>),
     #[error(transparent)]
     Statics(#[from] StaticsError),
     #[error(transparent)]
@@ -102,6 +105,7 @@ pub struct Options {
     /// How a fracture run finds its responses.
     pub resolution: Resolution,
     pub gmsh: gmsh::Options,
+    pub meshio: meshio::Options,
     /// Collects what the profile shows.
     pub trace: Trace,
 }
@@ -113,6 +117,7 @@ impl Default for Options {
             force: false,
             resolution: Resolution::default(),
             gmsh: gmsh::Options::default(),
+            meshio: meshio::Options::default(),
             trace: Trace::default(),
         }
     }

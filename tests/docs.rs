@@ -316,13 +316,11 @@ fn every_command_and_option_is_described() {
     let commands: Vec<&str> = commands
         .filter_map(|line| line.split_whitespace().next())
         .collect();
-    assert_eq!(
-        commands,
-        [
-            "run", "watch", "check", "status", "explain", "clean", "verify", "help"
-        ]
+    assert!(
+        commands.len() >= 10 && commands.ends_with(&["help"]),
+        "{commands:?}"
     );
-    for command in &commands[..7] {
+    for command in &commands[..commands.len() - 1] {
         assert!(
             PIPELINE_PAGE.contains(&format!("| `{command}` |")),
             "{command}"

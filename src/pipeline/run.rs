@@ -29,6 +29,7 @@ use crate::trace::{Kind, Trace};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::fmt;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -127,9 +128,45 @@ impl Default for Options {
 pub trait Observer {
     fn starts(&mut self, stage: Stage);
     fn ends(&mut self, stage: Stage, what: &str, time: Duration);
-    fn progress(&mut self, text: &str);
+    fn step(&mut self, step: &Step);
     fn is_fresh(&mut self, stage: Stage);
     fn warns(&mut self, text: &str);
+}
+
+/// Where a fracture run is.
+#[derive(Clone, Debug, Serialize)]
+pub struct Step {
+    /// Name of the phase; empty where there is only one.
+    pub phase: String,
+    pub step: usize,
+    /// The run ends at this step, if not before.
+    pub most_steps: usize,
+    pub load_factor: f64,
+    pub bonds_broken: usize,
+    pub bonds_broken_total: usize,
+    pub passes: usize,
+    pub steps_per_second: f64,
+}
+
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        if !self.phase.is_empty() {
+            write!(f, "{}, ", self.phase)?;
+        }
+        let passes = if self.passes == 1 { "pass" } else { "passes" };
+        let left = (self.most_steps - self.step) as f64 / self.steps_per_second;
+        write!(
+            f,
+            "step {} of at most {}, λ = {:.4}, {} bonds broken ({} in all), {} {passes}, {:.1} steps/s, at most {left:.0} s left",
+            self.step,
+            self.most_steps,
+            self.load_factor,
+            self.bonds_broken,
+            self.bonds_broken_total,
+            self.passes,
+            self.steps_per_second
+        )
+    }
 }
 
 pub(super) const MESH_FILE: &str = "mesh.bin";
@@ -221,14 +258,25 @@ pub fn run(
     run.output(&outcome).map(Some)
 }
 
-/// The geometry, meshed and checked, without writing anything: for `check`.
+/// The geometry, meshed unless a fresh mesh is there, and checked, without writing anything.
 ///
 /// # Errors
 /// See [`RunError`].
 pub fn discretised(plan: &Plan, options: &Options) -> Result<(Model, Boundary, Extract), RunError> {
-    let extract = mesh_geometry(plan, options)?;
+    let extract = match stored_mesh(plan)? {
+        Some(extract) => extract,
+        None => mesh_geometry(plan, options)?,
+    };
     let (model, boundary) = discretise(plan, to_mesh(plan, &extract)?)?;
     Ok((model, boundary, extract))
+}
+
+/// What the mesh stage has kept, if it is fresh.
+fn stored_mesh(plan: &Plan) -> Result<Option<Extract>, RunError> {
+    let recipe = recipe(plan, Stage::Mesh, &|_| String::new())?;
+    let is_fresh = stamp::stale(&plan.folder, Stage::Mesh, &recipe).is_empty();
+    let stored = is_fresh.then(|| read_stored(&plan.folder.join(MESH_FILE)));
+    Ok(stored.flatten().map(|(extract, _)| extract))
 }
 
 /// The mesh stage's result.

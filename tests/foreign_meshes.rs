@@ -94,6 +94,8 @@ fn every_format_gives_the_solution_of_the_geometry() {
         ("mesh.vtu", &[]),
         ("mesh.vtk", &[]),
         ("mesh.med", &[]),
+        ("gmsh.inp", &[]),
+        ("gmsh.med", &[]),
         ("mesh22.msh", &[]),
         ("mesh41.msh", &[]),
     ] {
@@ -409,6 +411,18 @@ fn what_has_no_place_in_a_plane_computation_is_named() {
     }
 }
 
+#[test]
+fn nodes_in_one_place_are_told() {
+    let place = Workplace::new();
+    let text = "*NODE\n1,0,0\n2,1,0\n3,1,1\n4,0,1\n12,1,0\n5,2,0\n6,2,1\n13,1,1\n*ELEMENT,TYPE=CPS4,ELSET=all\n\
+                1,1,2,3,4\n2,12,5,6,13\n";
+    place.write("twice.inp", text);
+    let notes = read(&place, "twice.inp").expect("a mesh").warnings;
+    let expected =
+        "2 nodes lie where another one does, such as 12 at 2: the elements there are not joined";
+    assert_eq!(notes, [expected]);
+}
+
 /// The eight nodes of a quad run around the element, or clockwise, or in both ways in one file.
 #[test]
 fn the_order_of_nodes_is_found_by_the_jacobian() {
@@ -456,6 +470,10 @@ fn nastran_names_what_meshio_passes_over() {
         .to_mesh(1.0)
         .expect("sound");
     assert_eq!(mesh.surfaces.keys().collect::<Vec<_>>(), ["7"]);
+    // As Gmsh writes it, without the lines around.
+    place.write("b.bdf", format!("{grids}CQUAD4,1,5,1,2,3,4\n"));
+    let bare = read(&place, "b.bdf").expect("a mesh");
+    assert_eq!(bare.groups[0].name, "5");
     for (cards, message) in [
         ("CQUADX8,1,7,1,2,3,4\n", "axisymmetric"),
         (

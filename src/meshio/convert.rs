@@ -5,7 +5,7 @@
 //! unless the Jacobian of an element is not positive in it at a node or quadrature point; the other then has to
 //! be right for every element of the kind, or the mesh is refused.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use thiserror::Error;
 
@@ -95,6 +95,7 @@ pub fn extract(container: &Container) -> Result<Extract, ConvertError> {
             "{turned} elements ran clockwise and were turned over"
         ));
     }
+    notes.extend(coincidence(container));
     let mut builder = Builder {
         container,
         orders,
@@ -241,14 +242,7 @@ fn check_plane(container: &Container) -> Result<(), ConvertError> {
         .iter()
         .filter(|cell| cell.kind.dimension() == 2);
     let used: BTreeSet<usize> = cells.flat_map(|cell| cell.nodes.iter().copied()).collect();
-    let side = |axis: usize| {
-        let values = used.iter().map(|&node| container.points[node][axis]);
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(v), high.max(v))
-        });
-        (high - low).max(0.0)
-    };
-    let tolerance = PLANE_TOLERANCE * side(0).max(side(1));
+    let tolerance = PLANE_TOLERANCE * extent(container, &used);
     let is_off = |node: &&usize| container.points[**node][2].abs() > tolerance;
     let off: Vec<usize> = used.iter().filter(is_off).copied().collect();
     match off.first() {
@@ -270,6 +264,45 @@ fn left_out(container: &Container) -> Vec<String> {
     };
     notes.extend(ignored.map(note));
     notes
+}
+
+/// Nodes of plane elements in the same place: elements do not hang together there.
+fn coincidence(container: &Container) -> Option<String> {
+    let cells = container
+        .cells
+        .iter()
+        .filter(|cell| cell.kind.dimension() == 2);
+    let used: BTreeSet<usize> = cells.flat_map(|cell| cell.nodes.iter().copied()).collect();
+    let grain = PLANE_TOLERANCE * extent(container, &used);
+    let mut first: HashMap<[i64; 2], usize> = HashMap::new();
+    let mut twins = Vec::new();
+    for node in used {
+        let [x, y, _] = container.points[node];
+        let key = [x, y].map(|coordinate| (coordinate / grain).round() as i64);
+        match first.get(&key) {
+            Some(&other) => twins.push([other, node].map(|node| container.node_ids[node])),
+            None => {
+                first.insert(key, node);
+            }
+        }
+    }
+    let &[a, b] = twins.first()?;
+    Some(format!(
+        "{} nodes lie where another one does, such as {b} at {a}: the elements there are not joined",
+        twins.len()
+    ))
+}
+
+/// The longer side of the box around some nodes.
+fn extent(container: &Container, nodes: &BTreeSet<usize>) -> f64 {
+    let side = |axis: usize| {
+        let values = nodes.iter().map(|&node| container.points[node][axis]);
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(v), high.max(v))
+        });
+        (high - low).max(0.0)
+    };
+    side(0).max(side(1))
 }
 
 /// What there is, for a message.

@@ -104,7 +104,7 @@ def read_mesh(meshio, path):
 
         return abaqus.read(meshio, path, Unsupported)
     if suffix in (".bdf", ".nas", ".fem"):
-        check_nastran(path)
+        path = nastran_whole(path)
     said = io.StringIO()
     with contextlib.redirect_stdout(said):
         try:
@@ -116,6 +116,18 @@ def read_mesh(meshio, path):
         mesh.node_ids, mesh.element_ids = mesh.points_id, mesh.cells_id
     mesh.counts_from_zero = suffix in (".vtu", ".vtk")
     return mesh
+
+
+def nastran_whole(path):
+    """The file with the lines around its cards that meshio insists upon and Gmsh does not write."""
+    check_nastran(path)
+    text = path.read_text(encoding="utf-8", errors="replace")
+    lines = [line.strip() for line in text.splitlines()]
+    before = "" if any(line.startswith("BEGIN BULK") for line in lines) else "BEGIN BULK\n"
+    behind = "" if any(line.startswith("ENDDATA") for line in lines) else "\nENDDATA\n"
+    whole = pathlib.Path(__file__).with_name("whole.bdf")
+    whole.write_text(before + text + behind, encoding="utf-8")
+    return whole
 
 
 def check_nastran(path):

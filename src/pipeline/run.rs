@@ -331,7 +331,11 @@ impl Run<'_> {
         self.observer.starts(Stage::Mesh);
         let _span = self.options.trace.span(Kind::Stage, Stage::Mesh.name());
         let mut phases = self.phases();
-        let extract = phases.measure("gmsh", || mesh_geometry(self.plan, self.options))?;
+        let program = match meshio::reads(&self.plan.geometry.file) {
+            true => "meshio",
+            false => "gmsh",
+        };
+        let extract = phases.measure(program, || mesh_geometry(self.plan, self.options))?;
         for warning in &extract.warnings {
             let program = &extract.origin.program;
             self.observer.warns(&format!("{program}: {warning}"));

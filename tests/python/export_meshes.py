@@ -2,7 +2,8 @@
 
     export_meshes.py FILE.geo FOLDER PARAMETER=VALUE ...
 
-The files are FOLDER/mesh.inp, mesh.bdf, mesh.vtu, mesh.vtk, mesh.med, mesh22.msh and mesh41.msh. Physical groups become what each
+The files are FOLDER/mesh.inp, mesh.bdf, mesh.vtu, mesh.vtk, mesh.med, mesh22.msh and mesh41.msh, and, written by Gmsh
+itself, gmsh.inp and gmsh.med. Physical groups become what each
 format has: element and node sets, property numbers (those of Gmsh's groups, points 100 more, curves 200 more),
 data of cells, families.
 """
@@ -17,7 +18,7 @@ import numpy as np
 SHIFT = {0: 100, 1: 200, 2: 0}
 
 
-def meshed(file, parameters):
+def meshed(file, folder, parameters):
     arguments = ["gmsh"]
     for parameter in parameters:
         name, _, value = parameter.partition("=")
@@ -38,13 +39,17 @@ def meshed(file, parameters):
                 nodes = np.array([at[int(node)] for node in nodes]).reshape(-1, size)
                 rows.setdefault(name, []).extend((node, dimension, group) for node in nodes)
     names = {(d, g): gmsh.model.getPhysicalName(d, g) for d, g in gmsh.model.getPhysicalGroups()}
+    for option in ("Mesh.SaveGroupsOfNodes", "Mesh.SaveGroupsOfElements"):
+        gmsh.option.setNumber(option, 1)
+    for name in ("gmsh.inp", "gmsh.med"):
+        gmsh.write(str(folder / name))
     gmsh.finalize()
     return positions.reshape(-1, 3)[order], rows, names
 
 
 def main(file, folder, *parameters):
-    points, rows, names = meshed(file, parameters)
     folder = Path(folder)
+    points, rows, names = meshed(file, folder, parameters)
     cells = [(kind, np.array([row[0] for row in of])) for kind, of in rows.items()]
     groups = [[(row[1], row[2]) for row in of] for of in rows.values()]
 

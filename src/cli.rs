@@ -11,6 +11,7 @@ mod verify;
 mod watch;
 
 use crate::pipeline::folder;
+use crate::pipeline::parameters::parameter_lines;
 use crate::pipeline::plan::Plan;
 use crate::pipeline::run::{Options, RunError, Standing, discretised, standings};
 use crate::pipeline::source::InputError;
@@ -381,10 +382,14 @@ fn check(plan: &Plan, method: Option<Method>) -> Result<(), RunError> {
     let estimate = Estimate::new(&model, &boundary, method, plan.loading.is_some())?;
     println!("{}: sound", plan.name);
     println!(
-        "  mesh              Gmsh {}, {} groups",
-        extract.gmsh_version,
+        "  mesh              {}, {} groups",
+        extract.origin,
         extract.groups.len()
     );
+    for (index, line) in parameter_lines(plan, &extract)?.iter().enumerate() {
+        let title = if index == 0 { "parameters" } else { "" };
+        println!("  {title:<18}{line}");
+    }
     println!(
         "  finite elements   {} with {} nodes",
         model.elements.len(),

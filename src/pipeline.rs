@@ -12,6 +12,7 @@ pub mod fracture;
 pub mod history;
 mod made;
 mod meshing;
+pub mod parameters;
 mod parts;
 mod pictures;
 pub mod plan;

@@ -455,7 +455,7 @@ fn the_import_table_is_that_of_the_sources() {
         described.insert(module, imported);
     }
     let mut found = imports();
-    let may_serialise = ["gmsh", "pipeline", "cli"];
+    let may_serialise = ["gmsh", "meshio", "pipeline", "cli"];
     for (module, imported) in &mut found {
         let serialises = imported.remove("serde");
         assert!(
@@ -464,7 +464,7 @@ fn the_import_table_is_that_of_the_sources() {
         );
     }
     assert_eq!(described, found);
-    assert_eq!(described.len(), 23);
+    assert_eq!(described.len(), 25);
 }
 
 #[test]

@@ -22,6 +22,7 @@ use crate::boundary::Boundary;
 use crate::coupling::Coupling;
 use crate::fracture::control::Resolution;
 use crate::gmsh::{self, Extract, GmshError};
+use crate::meshio::{self, MeshioError};
 use crate::model::Model;
 use crate::output::{WriteError, write_whole};
 use crate::phases::{Phases, peak_memory};
@@ -48,6 +49,8 @@ pub enum RunError {
     /// Exit code 1, like all that follow.
     #[error(transparent)]
     Gmsh(Box<GmshError>),
+    #[error(transparent)]
+    Meshio(Box<MeshioError>),
     #[error(transparent)]
     Statics(#[from] StaticsError),
     #[error(transparent)]
@@ -117,6 +120,7 @@ pub struct Options {
     /// How a fracture run finds its responses.
     pub resolution: Resolution,
     pub gmsh: gmsh::Options,
+    pub meshio: meshio::Options,
     /// Collects what the profile shows.
     pub trace: Trace,
 }
@@ -128,6 +132,7 @@ impl Default for Options {
             force: false,
             resolution: Resolution::default(),
             gmsh: gmsh::Options::default(),
+            meshio: meshio::Options::default(),
             trace: Trace::default(),
         }
     }
@@ -262,7 +267,7 @@ pub fn run(
         model: &model,
         boundary: &boundary,
         solved: &solved,
-        gmsh_version: &mesh.extract.gmsh_version,
+        extract: &mesh.extract,
     };
     run.output(&outcome).map(Some)
 }
@@ -340,9 +345,14 @@ impl Run<'_> {
         self.observer.starts(Stage::Mesh);
         let _span = self.options.trace.span(Kind::Stage, Stage::Mesh.name());
         let mut phases = self.phases();
-        let extract = phases.measure("gmsh", || mesh_geometry(self.plan, self.options))?;
+        let program = match meshio::reads(&self.plan.geometry.file) {
+            true => "meshio",
+            false => "gmsh",
+        };
+        let extract = phases.measure(program, || mesh_geometry(self.plan, self.options))?;
         for warning in &extract.warnings {
-            self.observer.warns(&format!("Gmsh: {warning}"));
+            let program = &extract.origin.program;
+            self.observer.warns(&format!("{program}: {warning}"));
         }
         let bytes = encode(&extract);
         self.kept.insert(MESH_FILE, stamp::hash(&bytes));
@@ -401,8 +411,8 @@ impl Run<'_> {
             &costs,
         )?;
         let what = format!(
-            "Gmsh {}: {} nodes, {} groups",
-            mesh.extract.gmsh_version,
+            "{}: {} nodes, {} groups",
+            mesh.extract.origin,
             mesh.extract.nodes.len(),
             mesh.extract.groups.len()
         );

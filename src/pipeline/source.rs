@@ -89,6 +89,11 @@ impl Source {
         }
     }
 
+    /// Whether the command line sets a key.
+    pub fn is_overridden(&self, key: &str) -> bool {
+        self.overrides.iter().any(|(set, _)| within(key, set))
+    }
+
     /// An error at a byte offset.
     pub fn error_at_byte(&self, byte: usize, message: String, help: Option<String>) -> InputError {
         self.error_at(self.span_from(byte), message, help)

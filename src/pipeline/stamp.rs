@@ -26,9 +26,9 @@ impl Stage {
     /// Raised whenever the stage's results change for the same input.
     fn version(self) -> u32 {
         match self {
-            Stage::Mesh => 1,
+            Stage::Mesh => 2,
             Stage::Solve => 6,
-            Stage::Output => 2,
+            Stage::Output => 3,
         }
     }
 

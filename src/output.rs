@@ -10,7 +10,6 @@ pub mod markup;
 mod packed;
 pub mod picture;
 pub mod pvd;
-pub mod report;
 pub mod vtu;
 
 use std::ffi::OsString;

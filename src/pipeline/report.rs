@@ -1,6 +1,8 @@
 //! `report.html`: what a person asks of a run, on one page. Times and memory, which differ from run to run,
 //! stay in `summary.json`: the same run gives the same page.
 
+mod page;
+
 use super::charts::load_displacement;
 use super::made::Made;
 use super::pictures::Sheet;
@@ -8,8 +10,8 @@ use super::reel::Reel;
 use super::results::{Outcome, ResultsError};
 use super::run::RunError;
 use super::spec::Format;
-use crate::output::report::{Figure, FramePicture, HistoryPoint, Input, Report};
 use crate::output::write_whole;
+use page::{Figure, FramePicture, HistoryPoint, Input, Report};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

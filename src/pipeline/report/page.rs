@@ -2,14 +2,14 @@
 //! history as an SVG chart, the inputs as they were. It asks nothing of the network, and follows the
 //! reader's light or dark scheme.
 
-use super::markup::escape;
+use crate::output::markup::escape;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::json;
 use std::fmt::Write as _;
 
-const STYLE: &str = include_str!("report/page.css");
-const SCRIPT: &str = include_str!("report/page.js");
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
 
 /// What the page shows; texts as a person reads them, not escaped.
 #[derive(Clone, Debug, Default)]

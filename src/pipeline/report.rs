@@ -202,7 +202,7 @@ fn fitting(mut frames: Vec<FramePicture>) -> Vec<FramePicture> {
         frames.retain(|_| {
             index
                 .next()
-                .is_some_and(|k| k == last || (last - k) % 2 == 0)
+                .is_some_and(|k| k == last || (last - k).is_multiple_of(2))
         });
     }
     frames

@@ -478,8 +478,9 @@ mod tests {
             let [l, t, r, b] = label.place;
             let text = [l + left, t + top, r + left, b + top];
             assert!(count(&picture, text, INK) > 100, "{}", label.text);
-            for other in [colour_of(0), GRID, ZERO] {
-                assert_eq!(count(&picture, text, other), 0, "{}", label.text);
+            // A corner of the text's box may touch the curve's edge.
+            for (other, most) in [(colour_of(0), 2), (GRID, 0), (ZERO, 0)] {
+                assert!(count(&picture, text, other) <= most, "{}", label.text);
             }
         }
     }

@@ -324,7 +324,8 @@ mod tests {
     fn the_legend_shows_every_sign_and_some_text() {
         let drawn = picture().draw().expect("a mesh");
         let [width, height] = drawn.size();
-        let legend = (height - (GAP + legend::ROW) as u32)..height;
+        // Four keys in two rows.
+        let legend = (height - (GAP + 2 * legend::ROW) as u32)..height;
         let pixels: Vec<Rgb> = legend
             .flat_map(|row| (0..width).map(move |column| [column, row]))
             .map(|[column, row]| drawn.pixel(column, row))

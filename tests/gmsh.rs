@@ -608,6 +608,7 @@ fn the_worker_ends_with_its_parent() {
             "geometry": geo("endless.geo"),
             "mesh_dimension": 2,
             "arguments": [],
+            "parameters": [],
             "libraries": [library],
             "outcome": folder.path().join("outcome"),
         });

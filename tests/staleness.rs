@@ -291,7 +291,7 @@ fn clean_removes_what_was_written_and_nothing_else() {
     place.run(&[]);
     let cleaned = place.call(&["clean", "bar.yaml"]).succeeded();
     assert!(
-        cleaned.out.contains("results/bar: 9 files removed"),
+        cleaned.out.contains("results/bar: 15 files removed"),
         "{}",
         cleaned.out
     );

@@ -2,13 +2,15 @@
 //!
 //! A curve acts on the finite-element nodes on it, and on the layer of material points beside it where it
 //! bounds their region: those within dx/2, and the nearest to any piece that has none so near, as when
-//! dx does not divide the region. A load t on such a layer is shared in proportion to the points' areas.
+//! dx does not divide the region; none of them behind a notch or a hole, though near. A load t on such a layer is shared in proportion to the points' areas.
 
 use crate::fem::edge::{EdgeLoad, consistent_load, edge_points};
 use crate::geometry::{chords, nearest_on_segment};
 use crate::mesh::Edge;
 use crate::model::{Method, Model, PointRegion};
+use crate::peridynamics::axes::Axes;
 use crate::peridynamics::bonds::Bins;
+use crate::peridynamics::visibility::Visibility;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use thiserror::Error;
 
@@ -380,13 +382,18 @@ fn layer(model: &Model, points: &PointRegion, edges: &[Edge]) -> Vec<LayerPoint>
     let same = EQUALLY_NEAR * points.micromodulus.spacing;
     let positions = &model.positions[points.nodes.clone()];
     let bins = Bins::new(positions, 2.0 * points.micromodulus.spacing);
+    let visibility = model.visibility(&Axes::new(0.0), &points.micromodulus);
+    let points_beside = |segment: Segment| {
+        let spacing = points.micromodulus.spacing;
+        beside(segment, positions, &bins, spacing, &visibility)
+    };
     let mut nearest: BTreeMap<u32, (f64, [f64; 2])> = BTreeMap::new();
     for segment in edges
         .iter()
         .flat_map(|edge| short_segments(model, edge, points))
     {
         let normal = right_of(segment);
-        for (i, distance) in beside(segment, positions, &bins, points.micromodulus.spacing) {
+        for (i, distance) in points_beside(segment) {
             let (other, sum) = nearest.entry(i).or_insert((distance, [0.0; 2]));
             if distance < *other - same {
                 (*other, *sum) = (distance, normal);
@@ -403,12 +410,21 @@ fn layer(model: &Model, points: &PointRegion, edges: &[Edge]) -> Vec<LayerPoint>
 }
 
 /// The points within dx/2 of a short segment, or else the nearest, each with its distance [m].
-fn beside(segment: Segment, positions: &[[f64; 2]], bins: &Bins, spacing: f64) -> Vec<(u32, f64)> {
+fn beside(
+    segment: Segment,
+    positions: &[[f64; 2]],
+    bins: &Bins,
+    spacing: f64,
+    visibility: &Visibility,
+) -> Vec<(u32, f64)> {
     let middle = [0, 1].map(|axis| 0.5 * (segment[0][axis] + segment[1][axis]));
     let mut around = Vec::new();
     bins.visit_around(middle, |i| {
-        let (_, distance) = nearest_on_segment(positions[i as usize], segment);
-        around.push((i, distance));
+        let x = positions[i as usize];
+        let (foot, distance) = nearest_on_segment(x, segment);
+        if distance <= LAYER_REACH * spacing && visibility.sees(foot, x) {
+            around.push((i, distance));
+        }
     });
     let least = around.iter().map(|&(_, d)| d).fold(f64::INFINITY, f64::min);
     let depth = if least <= LAYER_DEPTH * spacing {

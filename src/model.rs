@@ -24,6 +24,7 @@ use crate::peridynamics::lattice::{
     Lattice, LatticeSettings, Neighbourhood, ON_BOUNDARY, lattice_beside,
 };
 use crate::peridynamics::surface::{Surface, SurfaceCorrection, SurfaceError};
+use crate::peridynamics::visibility::Visibility;
 use crate::springs::Springs;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashSet};
@@ -422,8 +423,10 @@ impl Model {
                 positions, areas, ..
             } = &lattice;
             let thickness = self.settings.thickness;
-            let mut bonds = bonds(&lattice, &micromodulus, thickness, first as u32);
-            let surface = self.surface(region, &turned, &settings, &micromodulus)?;
+            let visibility = self.visibility(&axes, &micromodulus);
+            let first_node = first as u32;
+            let mut bonds = bonds(&lattice, &micromodulus, thickness, first_node, &visibility);
+            let surface = self.surface(region, &turned, &settings, &micromodulus, &visibility)?;
             if let Some(surface) = &surface {
                 surface.correct(&mut bonds, positions, first as u32);
             }
@@ -436,6 +439,7 @@ impl Model {
                     areas,
                     micromodulus: &micromodulus,
                     surface: surface.as_ref(),
+                    visibility: &visibility,
                     thickness,
                     first_node: first as u32,
                 });
@@ -518,6 +522,7 @@ impl Model {
         turned: &Outline,
         settings: &PeridynamicSettings,
         micromodulus: &Micromodulus,
+        visibility: &Visibility,
     ) -> Result<Option<Surface>, ModelError> {
         if settings.surface_correction == SurfaceCorrection::None {
             return Ok(None);
@@ -528,11 +533,18 @@ impl Model {
             &settings.lattice.axes().outline(&self.body_outline()),
             &settings.lattice.along_axes(),
             micromodulus,
+            visibility,
         );
         surface.map(Some).map_err(|source| ModelError::Surface {
             region: region.name.clone(),
             source,
         })
+    }
+
+    /// What the points of a lattice see of each other, along its axes.
+    pub fn visibility(&self, axes: &Axes, micromodulus: &Micromodulus) -> Visibility {
+        let body = axes.outline(&self.body_outline());
+        Visibility::new(&body, micromodulus.spacing, micromodulus.reach())
     }
 
     /// The outline of all regions together.
@@ -560,6 +572,7 @@ impl Model {
             let ends = self.interface_nodes(points, &lumped, node_area);
             let fe_nodes = self.positions.len() - self.areas.len();
             let range = points.nodes.start - fe_nodes..points.nodes.end - fe_nodes;
+            let visibility = self.visibility(&Axes::new(0.0), &points.micromodulus);
             self.springs.append(trusses(
                 &ends,
                 &self.positions[points.nodes.clone()],
@@ -567,6 +580,7 @@ impl Model {
                 &points.micromodulus,
                 self.settings.thickness,
                 points.nodes.start as u32,
+                &visibility,
             ));
         }
     }

@@ -3,7 +3,8 @@
 //! Nodes are the finite-element nodes in the mesh's order, then the material points, region by
 //! region. Immutable once built.
 
-mod bodies;
+pub mod bodies;
+pub mod node_axes;
 mod splice;
 
 use crate::assembly::ElementStiffness;
@@ -31,6 +32,7 @@ use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 use thiserror::Error;
 
+pub use node_axes::NodeAxes;
 pub use splice::Splice;
 
 /// A part of the body: which cells of the mesh, what material, which method.
@@ -145,6 +147,8 @@ pub struct Model {
     pub splice: Option<Splice>,
     /// Whether each spring is there at the start: false where it meets an initial crack.
     pub intact: Vec<bool>,
+    /// Axes of nodes that are held along neither x nor y.
+    pub node_axes: NodeAxes,
 }
 
 #[derive(Debug, Error)]
@@ -215,6 +219,7 @@ impl Model {
             clipped_from: Vec::new(),
             splice: None,
             intact: Vec::new(),
+            node_axes: NodeAxes::new(),
             leader,
             region_of: Vec::new(),
             mesh,
@@ -572,10 +577,21 @@ impl Model {
             let ends = self.interface_nodes(points, &lumped, node_area);
             let fe_nodes = self.positions.len() - self.areas.len();
             let range = points.nodes.start - fe_nodes..points.nodes.end - fe_nodes;
-            let visibility = self.visibility(&Axes::new(0.0), &points.micromodulus);
+            let Method::Peridynamics(settings) = self.regions[points.region].method else {
+                continue;
+            };
+            let axes = settings.lattice.axes();
+            let visibility = self.visibility(&axes, &points.micromodulus);
+            let positions = self.positions[points.nodes.clone()].iter();
+            let positions: Vec<[f64; 2]> = positions.map(|&x| axes.local(x)).collect();
+            let local = |end: InterfaceNode| InterfaceNode {
+                position: axes.local(end.position),
+                ..end
+            };
+            let ends: Vec<InterfaceNode> = ends.into_iter().map(local).collect();
             self.springs.append(trusses(
                 &ends,
-                &self.positions[points.nodes.clone()],
+                &positions,
                 &self.areas[range],
                 &points.micromodulus,
                 self.settings.thickness,

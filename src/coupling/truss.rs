@@ -25,7 +25,7 @@ pub enum NodeArea {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InterfaceNode {
     pub node: u32,
-    /// [m].
+    /// Along the lattice's axes for [`trusses`] [m].
     pub position: [f64; 2],
     /// A_FE [m²].
     pub area: f64,
@@ -33,7 +33,8 @@ pub struct InterfaceNode {
 
 /// The trusses between `interface` and the material points, sorted by node, then by point.
 ///
-/// `points`, `areas`: of the material points [m, m²], whose nodes count from `first_node`.
+/// `points`, `areas`: of the material points [m, m²], whose nodes count from `first_node`. All positions
+/// are along the lattice's axes.
 pub fn trusses(
     interface: &[InterfaceNode],
     points: &[[f64; 2]],

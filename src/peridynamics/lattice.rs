@@ -147,6 +147,32 @@ pub fn lattice_beside(
     }
 }
 
+/// What of `part` of a region each of its lattice's points stands for, at `positions` [m²]: the area of its
+/// square in the part, slivers included, so that the sum is the part's. `outline`: of the region, which
+/// anchors the lattice.
+pub fn areas_within(
+    part: &Outline,
+    outline: &Outline,
+    settings: &LatticeSettings,
+    positions: &[[f64; 2]],
+) -> Vec<f64> {
+    let grid = Grid::new(outline, settings);
+    let place = |&[x, y]: &[f64; 2]| {
+        let index = |x: f64, axis: usize| ((x - grid.first[axis]) / grid.dx).round() as usize;
+        index(y, 1) * grid.columns + index(x, 0)
+    };
+    let places: Vec<usize> = positions.iter().map(place).collect();
+    let mut kept = vec![false; grid.columns * grid.rows];
+    places.iter().for_each(|&k| kept[k] = true);
+    let neighbourhood = Neighbourhood {
+        interface: &[],
+        clearance: ON_BOUNDARY,
+        body: None,
+    };
+    let areas = grid.clipped_areas(part, &neighbourhood, &kept);
+    places.into_iter().map(|k| areas[k]).collect()
+}
+
 /// The lattice of a region continued over the whole body, finite elements and other regions included:
 /// what a family would find if all of the body were points.
 #[derive(Clone, Debug)]

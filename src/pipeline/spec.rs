@@ -27,6 +27,9 @@ pub struct Spec {
     #[serde(default)]
     pub coupling: Coupling,
     pub boundary: Vec<Boundary>,
+    /// Acts on all regions whose material has a density.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<Gravity>,
     /// Absent: one elastic solve.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loading: Option<Loading>,
@@ -76,6 +79,8 @@ pub struct Material {
     pub compressive_strength: Option<Scalar>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_release_rate: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density: Option<Scalar>,
 }
 
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -252,15 +257,21 @@ impl<'de> Deserialize<'de> for Coupling {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Boundary {
-    /// A physical curve or point.
+    /// A physical curve or point; for `body_force` a surface.
     #[serde(deserialize_with = "name")]
     pub group: String,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub displacement: Option<Components>,
+    pub displacement: Option<Displacement>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub traction: Option<Components>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Scalar>,
+    /// In all, on a curve or a point.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force: Option<Components>,
+    /// Per volume, on a surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body_force: Option<Components>,
     /// The phase of `loading.phases` that applies it; absent: a support in all of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<String>,
@@ -273,6 +284,33 @@ pub struct Components {
     pub x: Option<Scalar>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub y: Option<Scalar>,
+}
+
+/// Along x and y, or along axes turned by `angle`; or along the curve's normal and tangent.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Displacement {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tangential: Option<Scalar>,
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Gravity {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase: Option<String>,
 }
 
 /// How the load grows while bonds break.

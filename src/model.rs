@@ -417,7 +417,9 @@ impl Model {
                 let shares = positions.map(|&x| sites.shares[sites.nearest(x)]);
                 lattice.areas = shares.map(|share| share * dx * dx).collect();
             }
-            if lattice.positions.is_empty() {
+            let [low, high] = turned.bounds();
+            let is_larger = (0..2).all(|k| settings.lattice.spacing > high[k] - low[k]);
+            if lattice.positions.is_empty() || is_larger {
                 return Err(ModelError::NoMaterialPoint {
                     region: region.name.clone(),
                 });

@@ -247,12 +247,13 @@ fn a_column_shortens_under_its_own_weight() {
             1e-12,
             0.01,
         ),
-        // Equilibrium holds to the order of the scheme.
+        // Each side carries what its own stiffness makes of the other's displacements, and the points are
+        // 1 % softer along their free sides.
         (
             "splice",
             [Method::FiniteElements, points],
             Coupling::Splice,
-            1e-3,
+            1e-2,
             0.01,
         ),
     ] {
@@ -355,10 +356,11 @@ fn normal_and_tangential_are_those_of_the_curve() {
         }
         // Where sides meet they must not contradict each other.
         let error = by_angle.displace_along(&model, "top", turned, [Some(-2e-3), None]);
-        assert!(
-            matches!(error, Err(BoundaryError::Conflict { .. })),
-            "{name}"
+        let is_told = matches!(
+            error,
+            Err(BoundaryError::Conflict { .. } | BoundaryError::Contradiction { .. })
         );
+        assert!(is_told, "{name}");
         let error = Boundary::new(&model).displace_along(
             &model,
             "corner",

@@ -4,13 +4,20 @@
 //! What is asked is asked of a predicate of its own, in exact rational arithmetic of integers: all
 //! corners and points are multiples of 2⁻²⁰, so that orientations are exact in 128 bits.
 
+mod common;
+
+use common::{Grid, name_cells, paper_lattice, region, steel};
+use peristitch::coupling::Coupling;
+use peristitch::coupling::truss::NodeArea;
 use peristitch::cracks::Cracks;
 use peristitch::geometry::{Outline, nearest_on_segment};
 use peristitch::material::{Material, PlaneState};
-use peristitch::mesh::{Edge, Mesh};
+use peristitch::mesh::{CellKind, Edge, Mesh};
+use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings};
 use peristitch::peridynamics::bonds::{bonds, family_offsets};
 use peristitch::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, Lattice, LatticeSettings, Placement, lattice};
+use peristitch::peridynamics::surface::SurfaceCorrection;
 use peristitch::peridynamics::visibility::Visibility;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -264,4 +271,57 @@ fn a_slit_of_no_width_parts_the_body() {
         offsets.len()
     );
     assert_eq!(upper, 28);
+}
+
+/// A notch narrower than δ beside an interface: no spring with stiffness goes across, whatever ties the two
+/// sides, and the points' damage does not count what was never there.
+#[test]
+fn no_coupling_reaches_across_a_notch() {
+    for (name, coupling) in [
+        ("truss", Coupling::Truss(NodeArea::Lumped)),
+        ("clip", Coupling::Clip),
+        ("splice", Coupling::Splice),
+    ] {
+        for correction in [SurfaceCorrection::Force, SurfaceCorrection::LeastSquares] {
+            let grid = Grid {
+                size: [2.0, 1.0],
+                count: [40, 20],
+                kind: CellKind::Quad4,
+            };
+            let mut mesh = grid.plain();
+            let is_notch = |[x, y]: [f64; 2]| (1.1..1.15).contains(&x) && y > 0.5;
+            name_cells(&mut mesh, "elements", |x| x[0] < 1.0);
+            name_cells(&mut mesh, "points", |x| x[0] > 1.0 && !is_notch(x));
+            let settings = PeridynamicSettings {
+                lattice: LatticeSettings::upright(0.04, Placement::CellCentred, CellArea::Clipped),
+                isotropised: true,
+                surface_correction: correction,
+                ..paper_lattice(0.04, Placement::CellCentred)
+            };
+            let regions = vec![
+                region(&mesh, &["elements"], steel(), Method::FiniteElements),
+                region(&mesh, &["points"], steel(), Method::Peridynamics(settings)),
+            ];
+            let whole = ModelSettings {
+                plane: PlaneState::Stress,
+                thickness: 1.0,
+                coupling,
+            };
+            let model = Model::build(mesh, regions, whole).expect("a sound model");
+            let mut beside = 0;
+            for spring in 0..model.springs.len() {
+                let [a, b] = model.springs.segment(spring, &model.positions);
+                let [from, to] = if a[0] < b[0] { [a, b] } else { [b, a] };
+                if model.springs.stiffness[spring] == 0.0 || from[0] > 1.125 || to[0] < 1.125 {
+                    continue;
+                }
+                let y = from[1] + (1.125 - from[0]) / (to[0] - from[0]) * (to[1] - from[1]);
+                assert!(y < 0.5 + 1e-6, "{name} {from:?} {to:?}");
+                beside += 1;
+            }
+            assert!(beside > 100, "{name} {beside}");
+            let damage = peristitch::fracture::state::damage(&model, &model.intact);
+            assert!(damage.iter().all(|d| d.abs() < 1e-12), "{name}");
+        }
+    }
 }

@@ -17,32 +17,15 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use super::Value;
+use super::parameter::{Default, Parameter, Range as Allowed};
+
 /// A file of the script could not be read.
 #[derive(Debug, Error)]
 #[error("cannot read {}: {source}", .file.display())]
 pub struct ScriptError {
     pub file: PathBuf,
     pub source: io::Error,
-}
-
-/// The value that a parameter has unless it is set.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Default {
-    Number(f64),
-    Text(String),
-    /// An expression that only Gmsh can evaluate, as written.
-    Expression(String),
-    /// None is written.
-    Absent,
-}
-
-/// A variable that can be set from outside, and where it is defined.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Parameter {
-    pub default: Default,
-    pub file: PathBuf,
-    /// Counted from 1.
-    pub line: usize,
 }
 
 /// What a `.geo` file, with all that it includes, offers and needs.
@@ -107,7 +90,8 @@ impl GeoScript {
         for at in text.words("Exists") {
             if let Some(body) = text.bracketed(at.end) {
                 let name = text.code[body].trim();
-                self.define(name, Default::Absent, file, text.line(at.start));
+                let (default, range) = (Default::Absent, Allowed::default());
+                self.define(name, default, range, file, text.line(at.start));
             }
         }
         for word in ["DefineNumber", "DefineString"] {
@@ -147,23 +131,28 @@ impl GeoScript {
         let line = text.line(item.start + leading_blanks(&text.code[item.clone()]));
         let equals = text.code[item.clone()].find('=').map(|at| item.start + at);
         let Some(equals) = equals else {
-            return self.define(text.code[item].trim(), Default::Absent, file, line);
+            let (default, range) = (Default::Absent, Allowed::default());
+            return self.define(text.code[item].trim(), default, range, file, line);
         };
         let name = text.code[item.start..equals].trim();
         let mut value = equals + 1..item.end;
+        let mut range = Allowed::default();
         if let Some(inner) = text.bracketed(value.start) {
-            value = text.split(inner, b',').next().unwrap_or(0..0);
+            let mut pieces = text.split(inner, b',');
+            value = pieces.next().unwrap_or(0..0);
+            pieces.for_each(|attribute| text.add_attribute(attribute, &mut range));
         }
-        self.define(name, text.default(value), file, line);
+        self.define(name, text.default(value), range, file, line);
     }
 
-    fn define(&mut self, name: &str, default: Default, file: &Path, line: usize) {
+    fn define(&mut self, name: &str, default: Default, range: Allowed, file: &Path, line: usize) {
         let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if name.is_empty() || !name.chars().all(is_name) {
             return;
         }
         let parameter = Parameter {
             default,
+            range,
             file: file.to_owned(),
             line,
         };
@@ -288,6 +277,37 @@ impl Text {
         }
     }
 
+    /// Reads `Min 1`, `Max 9` or `Choices{…}`; what is no plain number or text binds nothing.
+    fn add_attribute(&self, attribute: Range<usize>, allowed: &mut Allowed) {
+        let start = attribute.start + leading_blanks(&self.code[attribute.clone()]);
+        let word = self.code[start..attribute.end]
+            .split(|c: char| !c.is_ascii_alphabetic())
+            .next()
+            .unwrap_or("");
+        let rest = start + word.len()..attribute.end;
+        let number = || self.default(rest.clone()).value().and_then(Value::number);
+        match word {
+            "Min" => allowed.lowest = number(),
+            "Max" => allowed.highest = number(),
+            "Choices" => allowed.choices = self.choices(rest.start).unwrap_or_default(),
+            _ => {}
+        }
+    }
+
+    /// `{1, 2}`, `{0="no", 1="yes"}` or `{"x", "y"}`; None if one of them is an expression.
+    fn choices(&self, from: usize) -> Option<Vec<(Value, String)>> {
+        let inner = self.bracketed(from)?;
+        let choice = |piece: Range<usize>| {
+            let equals = self.code[piece.clone()].find('=');
+            let value = piece.start..equals.map_or(piece.end, |at| piece.start + at);
+            let label = equals.map(|at| self.strings(piece.start + at..piece.end));
+            let label = label.and_then(|label| label.first().map(|text| (*text).to_owned()));
+            let value = self.default(value).value()?;
+            Some((value, label.unwrap_or_default()))
+        };
+        self.split(inner, b',').map(choice).collect()
+    }
+
     /// The line of a position, counted from 1.
     fn line(&self, at: usize) -> usize {
         1 + self.code[..at].matches('\n').count()
@@ -396,6 +416,31 @@ mod tests {
     }
 
     #[test]
+    fn attributes_bind_where_they_are_plain() {
+        let script = scan(
+            r#"DefineConstant[
+              a = {2, Min 0.5, Max 1e1, Step 1, Name "P/Min 3, Max 4"},
+              b = {1, Choices {0="no, never", 1="yes"}, Min -1},
+              c = {"x", Choices{"x", "y z"}, Name "c"}, d = {1, Max 2*a}, e = {1, Choices{1, 2*a}}
+            ];"#,
+        );
+        let range = |name: &str| script.parameters[name].range.clone();
+        assert_eq!(
+            (range("a").lowest, range("a").highest),
+            (Some(0.5), Some(10.0))
+        );
+        let labelled = |value: f64, label: &str| (Value::Number(value), label.to_owned());
+        assert_eq!(
+            range("b").choices,
+            [labelled(0.0, "no, never"), labelled(1.0, "yes")]
+        );
+        assert_eq!(range("b").lowest, Some(-1.0));
+        let texts = ["x", "y z"].map(|text| (Value::from(text), String::new()));
+        assert_eq!(range("c").choices, texts);
+        assert!(range("d").is_open() && range("e").is_open());
+    }
+
+    #[test]
     fn comments_and_strings_define_nothing() {
         let script = scan(
             "// DefineConstant[ a = 1 ];\n/* DefineConstant[ b = 1 ]; */\n\
@@ -422,7 +467,7 @@ mod tests {
 
     #[test]
     fn unfinished_scripts_do_not_panic() {
-        let whole = "DefineConstant[ a = {1, Name \"x\\\"\"}, b = 'y' ]; /* é */ Merge \"z\"; // e";
+        let whole = "DefineConstant[ a = {1, Name \"x\\\"\", Min 1, Choices{1=\"é\", 2}}, b = 'y' ]; /* é */ Merge \"z\"; // e";
         for (end, _) in whole.char_indices() {
             scan(&whole[..end]);
         }

@@ -12,7 +12,8 @@ use std::process::ExitCode;
 
 use serde::{Deserialize, Serialize};
 
-use super::extract::{Block, Extract, Group};
+use super::Value;
+use super::extract::{Block, Extract, Group, Origin};
 use super::ffi::{self, FfiError, Session};
 
 /// What the parent asks for.
@@ -24,6 +25,8 @@ pub(super) struct Request {
     pub mesh_dimension: Option<i32>,
     /// Gmsh's command line.
     pub arguments: Vec<String>,
+    /// Variables whose values are wanted.
+    pub parameters: Vec<String>,
     /// Libraries to try, best first.
     pub libraries: Vec<PathBuf>,
     pub outcome: PathBuf,
@@ -154,7 +157,18 @@ fn run(session: &Session, request: &Request) -> Result<Extract, Vec<Message>> {
     }
     let mut extract = step(session, gather)?;
     extract.warnings = messages(session, "Warning: ").map_err(|error| vec![error.into()])?;
+    extract.parameters = values(session, &request.parameters);
     Ok(extract)
+}
+
+/// The values of those variables that have one.
+fn values(session: &Session, names: &[String]) -> BTreeMap<String, Value> {
+    let value = |name: &String| {
+        let number = session.variable(name).map(Value::Number);
+        number.or_else(|| session.text_variable(name).map(Value::Text))
+    };
+    let known = |name: &String| Some((name.clone(), value(name)?));
+    names.iter().filter_map(known).collect()
 }
 
 /// Runs a part of the work. It has failed if a call says so, and also if Gmsh's log holds an error:
@@ -195,8 +209,12 @@ fn gather(session: &Session) -> Result<Extract, FfiError> {
     }
     let nodes = number_nodes(session, &mut groups)?;
     Ok(Extract {
-        gmsh_version: session.version()?,
+        origin: Origin {
+            program: "Gmsh".to_owned(),
+            version: session.version()?,
+        },
         warnings: Vec::new(),
+        parameters: BTreeMap::new(),
         entity_counts,
         nodes,
         groups,

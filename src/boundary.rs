@@ -2,8 +2,9 @@
 //!
 //! A curve acts on the finite-element nodes on it, and on the layer of material points beside it where it
 //! bounds their region: those within dx/2, and the nearest to any piece that has none so near, as when
-//! dx does not divide the region; none of them behind a notch or a hole, though near. A load is shared by who is the nearest
-//! ([`arc`]); where all areas are dx², as the paper has it, in proportion to these.
+//! dx does not divide the region; none of them behind a notch or a hole, though near. A load is shared by
+//! who is the nearest (`boundary/arc.rs`); where all areas are dx², as the paper has it, in proportion to
+//! these.
 
 mod arc;
 mod directions;

@@ -101,6 +101,14 @@ impl Families<'_> {
         let (mut bonds, mut hidden) = (0, Vec::new());
         for (column, i) in self.points(row) {
             let view = visibility.from(positions[i as usize]);
+            if !view.is_near() {
+                let half = self.half.iter();
+                let is_there = |([p, q], ..): &&([i64; 2], f64, f64)| {
+                    index.point([column + p, row + q]).is_some()
+                };
+                bonds += half.filter(is_there).count();
+                continue;
+            }
             for (place, ([p, q], ..)) in self.half.iter().enumerate() {
                 let Some(j) = index.point([column + p, row + q]) else {
                     continue;

@@ -172,11 +172,12 @@ fn completeness(
         }
         let (column, row) = ((site % columns) as i64, (site / columns) as i64);
         let view = visibility.from(sites.position(site));
+        let sees = |other: usize| sites.shares[other] > 0.0 && view.sees(sites.position(other));
         let found = sum(sites.shares[site], &|[p, q]| {
             let (x, y) = (column + i64::from(p), row + i64::from(q));
             let inside = x >= 0 && y >= 0 && x < columns as i64 && y < rows as i64;
             let other = y as usize * columns + x as usize;
-            if inside && sites.shares[other] > 0.0 && view.sees(sites.position(other)) {
+            if inside && (!view.is_near() || sees(other)) {
                 sites.shares[other]
             } else {
                 0.0

@@ -6,7 +6,8 @@
 //! are material: a bond may pass through them.
 //!
 //! A bond that only grazes the outline stays. With ε = 10⁻⁶ dx it *leaves* the closed body if it meets
-//! the outline, and so do both of its parallels at the distance ε, which are shorter by ε at either end.
+//! the outline, and so do both of its parallels at the distance ε, which are shorter by 100 ε at either end,
+//! lest they leave a sharp corner in which the bond ends.
 //! So neither a bond along a straight side, whose mesh is rough by some 10⁻¹⁰, nor one past the tip of
 //! a notch, nor one that ends on the outline depends on rounding; and a slit of no width, two sides
 //! of the mesh that lie on each other, is seen. Whether two segments meet is decided exactly (Shewchuk
@@ -56,6 +57,9 @@ struct Lists {
     start: Vec<u32>,
     items: Vec<u32>,
 }
+
+/// By how many ε parallels are shorter at either end: a corner of 1.2° holds the end of one.
+const TRIM: f64 = 100.0;
 
 /// Bins are made wider until there are no more of them for each side than this, and for a few sides.
 const MOST_BINS: f64 = 64.0;
@@ -107,6 +111,7 @@ impl Visibility {
         let scale = self.tolerance / along[0].hypot(along[1]);
         let t = along.map(|x| x * scale);
         let n = [-t[1] * side, t[0] * side];
+        let t = t.map(|t| TRIM * t);
         [
             [a[0] + (n[0] + t[0]), a[1] + (n[1] + t[1])],
             [b[0] + (n[0] - t[0]), b[1] + (n[1] - t[1])],
@@ -152,7 +157,8 @@ impl View<'_> {
         if !self.is_near || (self.is_inside && !self.visibility.meets(bond)) {
             return true;
         }
-        let is_point = (0..2).all(|axis| (other[axis] - self.from[axis]).abs() <= 2.0 * tolerance);
+        let apart = |axis: usize| (other[axis] - self.from[axis]).abs();
+        let is_point = (0..2).all(|axis| apart(axis) <= 2.0 * TRIM * tolerance);
         is_point
             || [1.0, -1.0].into_iter().any(|side| {
                 let parallel = self.visibility.parallel(bond, side);
@@ -323,6 +329,25 @@ mod tests {
             assert!(sees([0.0, 0.2], [0.0, 0.5]), "along a side");
             assert!(!sees([0.4, 1.0], [0.6, 1.0]), "across the mouth");
             assert!(sees([0.5 - w, 0.6], [0.5 - w, 0.9]), "along the notch");
+        }
+    }
+
+    #[test]
+    fn corners_see_along_and_across() {
+        let outline = Outline {
+            loops: vec![vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]],
+        };
+        let view = Visibility::new(&outline, 0.1, 0.4);
+        for steps in [[1, 0], [1, 1], [2, 2], [3, 1], [1, 3], [0, 2]] {
+            let [x, y] = steps.map(|k| 0.1 * f64::from(k));
+            for (a, b) in [
+                ([0.0, 0.0], [x, y]),
+                ([1.0, 0.0], [1.0 - x, y]),
+                ([1.0, 1.0], [1.0 - x, 1.0 - y]),
+                ([0.0, 1.0], [x, 1.0 - y]),
+            ] {
+                assert!(view.sees(a, b) && view.sees(b, a), "{a:?} {b:?}");
+            }
         }
     }
 

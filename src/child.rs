@@ -16,6 +16,8 @@ use std::time::{Duration, Instant};
 const LOG_LINES: usize = 20;
 /// How much of the log's end is read to find them [bytes].
 const LOG_TAIL: u64 = 64 * 1024;
+/// A log longer than this is a loop that writes [bytes].
+pub const LONGEST_LOG: u64 = 64_000_000;
 /// How often the process is looked at.
 const POLL: Duration = Duration::from_millis(5);
 
@@ -23,6 +25,8 @@ const POLL: Duration = Duration::from_millis(5);
 pub enum End {
     Exit(ExitStatus),
     TimeLimit,
+    /// It was stopped since its log grew beyond [`LONGEST_LOG`].
+    Flood,
 }
 
 /// It could not be run.
@@ -68,12 +72,12 @@ pub fn run(
     let _ = input
         .write_all(message)
         .and_then(|()| input.write_all(b"\n"));
-    let end = wait(&mut running.0, limit).map_err(error("wait for it"));
+    let end = wait(&mut running.0, log_file, limit).map_err(error("wait for it"));
     drop(input);
     end
 }
 
-fn wait(child: &mut Child, limit: Duration) -> io::Result<End> {
+fn wait(child: &mut Child, log: &Path, limit: Duration) -> io::Result<End> {
     let start = Instant::now();
     loop {
         if let Some(status) = child.try_wait()? {
@@ -81,6 +85,9 @@ fn wait(child: &mut Child, limit: Duration) -> io::Result<End> {
         }
         if start.elapsed() >= limit {
             return Ok(End::TimeLimit);
+        }
+        if log.metadata().is_ok_and(|log| log.len() > LONGEST_LOG) {
+            return Ok(End::Flood);
         }
         std::thread::sleep(POLL);
     }

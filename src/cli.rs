@@ -146,15 +146,24 @@ struct Common {
     /// Where NAME/ goes [default: results/ beside pipelines/, or beside the file]
     #[arg(long, value_name = "FOLDER")]
     results: Option<PathBuf>,
+    /// Let the .geo run programs and write files: short for --set geometry.trust=true
+    #[arg(long)]
+    trust_geometry: bool,
 }
 
 impl Common {
+    /// What `--set`, and what is short for it, sets.
+    fn overrides(&self) -> Vec<String> {
+        let mut overrides = self.overrides.clone();
+        if self.trust_geometry {
+            overrides.push("geometry.trust=true".to_owned());
+        }
+        overrides
+    }
+
     fn plan(&self, pipeline: &Path) -> Result<Plan, RunError> {
-        Ok(Plan::read(
-            pipeline,
-            &self.overrides,
-            self.results.as_deref(),
-        )?)
+        let overrides = self.overrides();
+        Ok(Plan::read(pipeline, &overrides, self.results.as_deref())?)
     }
 }
 
@@ -226,11 +235,12 @@ fn watch_all(common: Common, threads: Option<u16>) -> ExitCode {
     if let Some(Err(error)) = missing.map(|pipeline| common.plan(pipeline)) {
         return report(error);
     }
-    if let Err(error) = yaml::parse_overrides(&common.overrides) {
+    if let Err(error) = yaml::parse_overrides(&common.overrides()) {
         return report(error.into());
     }
     let mut arguments: Vec<OsString> = Vec::new();
-    for value in &common.overrides {
+    let overrides = common.overrides();
+    for value in &overrides {
         arguments.extend(["--set".into(), value.into()]);
     }
     if let Some(folder) = &common.results {
@@ -257,7 +267,7 @@ fn watch_all(common: Common, threads: Option<u16>) -> ExitCode {
     let watched = watch::watch(
         &Watch {
             pipelines: common.pipelines.clone(),
-            overrides: common.overrides.clone(),
+            overrides,
             arguments,
         },
         &interrupts,

@@ -28,13 +28,16 @@ use crate::child::{self, ChildError, End, describe, last_lines};
 pub mod extract;
 mod ffi;
 pub mod geo_script;
+pub mod guard;
 pub mod library;
 pub mod parameter;
+mod sandbox;
 pub mod to_mesh;
 mod worker;
 
 pub use extract::{Block, Extract, Group, Origin};
 pub use geo_script::{GeoScript, ScriptError};
+use guard::Deed;
 pub use to_mesh::ExtractError;
 pub use worker::{Message, worker_main};
 
@@ -90,6 +93,8 @@ pub struct Options {
     pub library: Option<PathBuf>,
     /// Time after which the worker is killed.
     pub time_limit: Duration,
+    /// Let a script run programs and write files.
+    pub trust: bool,
 }
 
 impl Default for Options {
@@ -98,6 +103,7 @@ impl Default for Options {
             worker: None,
             library: None,
             time_limit: Duration::from_secs(600),
+            trust: false,
         }
     }
 }
@@ -116,6 +122,8 @@ pub enum GmshError {
     PathNotText { file: PathBuf },
     #[error(transparent)]
     Script(#[from] ScriptError),
+    #[error("{}:{}: {}, and a geometry may only draw", .0.file.display(), .0.line, .0.what)]
+    Deed(Deed),
     #[error("{} has no parameter '{name}'{}", .file.display(), unknown_hint(.nearest, .available))]
     UnknownParameter {
         file: PathBuf,
@@ -169,6 +177,11 @@ pub enum GmshError {
         limit: Duration,
         log: Vec<String>,
     },
+    #[error(
+        "Gmsh wrote more than {} MB of messages about {} and was stopped; the last:{}",
+        child::LONGEST_LOG / 1_000_000, .geometry.display(), lines(.log)
+    )]
+    Flood { geometry: PathBuf, log: Vec<String> },
     #[error("cannot run the mesh worker: {action}: {source}")]
     Worker {
         action: &'static str,
@@ -190,6 +203,9 @@ pub fn mesh(
     }
     let mesh_dimension = mesh_dimension(geometry)?;
     let script = read_script(geometry)?;
+    if let (false, Some(deed)) = (options.trust, first_deed(script.as_ref())) {
+        return Err(GmshError::Deed(deed));
+    }
     check_parameters(geometry, script.as_ref(), parameters)?;
     let libraries = libraries(options)?;
     let folder = tempfile::tempdir().map_err(worker_error("create a temporary folder"))?;
@@ -203,6 +219,7 @@ pub fn mesh(
             .collect(),
         libraries,
         outcome: folder.path().join("outcome"),
+        trust: options.trust,
     };
     let log_file = folder.path().join("log");
     let end = run_worker(&request, &log_file, options)?;
@@ -229,12 +246,19 @@ fn add_known_values(
     }
 }
 
-/// What can be read of a `.geo` without running it; None for other files.
+/// What can be read of a script without running it; None for other files.
 pub fn read_script(file: &Path) -> Result<Option<GeoScript>, GmshError> {
-    if file.extension().is_none_or(|extension| extension != "geo") {
-        return Ok(None);
-    }
-    Ok(Some(GeoScript::scan(file)?))
+    let extension = file.extension().and_then(|extension| extension.to_str());
+    let is_script = extension.is_some_and(|extension| {
+        ["geo", "geo_unrolled"]
+            .iter()
+            .any(|known| extension.eq_ignore_ascii_case(known))
+    });
+    Ok(is_script.then(|| GeoScript::scan(file)).transpose()?)
+}
+
+fn first_deed(script: Option<&GeoScript>) -> Option<Deed> {
+    script?.deeds.first().cloned()
 }
 
 fn conclude(
@@ -267,6 +291,7 @@ fn conclude(
             limit,
             log,
         }),
+        (None, End::Flood) => Err(GmshError::Flood { geometry, log }),
         (None, End::Exit(status)) => Err(GmshError::Crashed {
             geometry,
             ending: describe(status),

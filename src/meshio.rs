@@ -212,6 +212,11 @@ fn conclude(
                 limit: options.time_limit,
                 log,
             },
+            End::Flood => MeshioError::Crashed {
+                file,
+                ending: "it wrote too many messages".to_owned(),
+                log,
+            },
             End::Exit(status) => MeshioError::Crashed {
                 file,
                 ending: describe(status),

@@ -62,7 +62,7 @@ pub(super) struct PlanArguments {
 
 /// The studies of all pipelines, read before the first one runs.
 fn studies(common: &Common) -> Result<Vec<Study>, InputError> {
-    let read = |path: &PathBuf| Study::read(path, &common.overrides, common.results.as_deref());
+    let read = |path: &PathBuf| Study::read(path, &common.overrides(), common.results.as_deref());
     common.pipelines.iter().map(read).collect()
 }
 
@@ -191,9 +191,10 @@ pub(super) fn plan(arguments: &PlanArguments) -> Result<(), RunError> {
     let program = std::env::current_exe().map_err(|error| {
         InputError::plain(format!("this program's own path is unknown: {error}"), None)
     })?;
+    let overrides = common.overrides();
     let job = Job {
         program: &program,
-        overrides: &common.overrides,
+        overrides: &overrides,
         results: common.results.as_deref(),
         threads: arguments.threads.into(),
     };

@@ -15,6 +15,7 @@ use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use super::guard::{Deed, deeds};
 use thiserror::Error;
 
 use super::Value;
@@ -38,6 +39,8 @@ pub struct GeoScript {
     pub files: Vec<PathBuf>,
     /// Lines that Gmsh runs otherwise than they read.
     pub warnings: Vec<String>,
+    /// Where it does more than draw.
+    pub deeds: Vec<Deed>,
 }
 
 impl GeoScript {
@@ -59,6 +62,7 @@ impl GeoScript {
                 let text = Text::new(&String::from_utf8_lossy(&text));
                 script.add_parameters(&file, &text);
                 script.add_warnings(&file, &text);
+                script.deeds.extend(deeds(&file, &text));
                 pending.extend(named_files(&file, &text));
             }
             script.files.push(file);
@@ -165,13 +169,13 @@ impl GeoScript {
 
 /// The text of a script, and a twin of equal length in which comments and the contents of strings
 /// are blank: syntax is sought in the twin, strings are read from the text.
-struct Text {
-    text: String,
-    code: String,
+pub(super) struct Text {
+    pub text: String,
+    pub code: String,
 }
 
 impl Text {
-    fn new(text: &str) -> Text {
+    pub fn new(text: &str) -> Text {
         let mut code = Vec::with_capacity(text.len());
         let bytes = text.as_bytes();
         let mut at = 0;
@@ -198,7 +202,7 @@ impl Text {
     }
 
     /// Where a keyword stands as a word of its own.
-    fn words<'a>(&'a self, word: &'a str) -> impl Iterator<Item = Range<usize>> + 'a {
+    pub fn words<'a>(&'a self, word: &'a str) -> impl Iterator<Item = Range<usize>> + 'a {
         let part = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
         let code = self.code.as_bytes();
         let found = self.code.match_indices(word);
@@ -211,7 +215,7 @@ impl Text {
     }
 
     /// The inside of the bracket that opens at `from`, blanks skipped.
-    fn bracketed(&self, from: usize) -> Option<Range<usize>> {
+    pub fn bracketed(&self, from: usize) -> Option<Range<usize>> {
         let code = self.code.as_bytes();
         let open = from + leading_blanks(&self.code[from..]);
         if !matches!(code.get(open), Some(b'[' | b'(' | b'{')) {
@@ -309,7 +313,7 @@ impl Text {
     }
 
     /// The line of a position, counted from 1.
-    fn line(&self, at: usize) -> usize {
+    pub fn line(&self, at: usize) -> usize {
         1 + self.code[..at].matches('\n').count()
     }
 }
@@ -321,7 +325,13 @@ fn named_files(file: &Path, text: &Text) -> Vec<PathBuf> {
     let mut options = file.as_os_str().to_owned();
     options.push(".opt");
     let mut files = vec![PathBuf::from(options)];
-    for command in ["Include", "Merge", "ShapeFromFile", "FileName"] {
+    for command in [
+        "Include",
+        "Merge",
+        "MergeWithBoundingBox",
+        "ShapeFromFile",
+        "FileName",
+    ] {
         for at in text.words(command) {
             let length = text.code[at.end..].find(';');
             let end = length.map_or(text.code.len(), |length| at.end + length);
@@ -336,14 +346,16 @@ fn named_files(file: &Path, text: &Text) -> Vec<PathBuf> {
     files
 }
 
-/// Whether Gmsh reads the file as a script: by its extension, and without one too.
+/// What Gmsh reads as data. Everything else that is merged it takes for a script, whatever it is called.
+const DATA: [&str; 24] = [
+    "brep", "step", "stp", "iges", "igs", "xao", "msh", "mesh", "stl", "obj", "off", "ply2", "vtk",
+    "unv", "bdf", "nas", "med", "mmed", "rmed", "cgns", "png", "jpg", "jpeg", "bmp",
+];
+
 fn is_script(file: &Path) -> bool {
-    match file.extension() {
-        Some(extension) => ["geo", "geo_unrolled", "opt"]
-            .iter()
-            .any(|known| extension == *known),
-        None => true,
-    }
+    let extension = file.extension().and_then(|extension| extension.to_str());
+    let extension = extension.map(str::to_ascii_lowercase);
+    extension.is_none_or(|extension| !DATA.contains(&extension.as_str()))
 }
 
 fn nesting(byte: u8) -> i32 {

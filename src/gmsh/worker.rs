@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::Value;
 use super::extract::{Block, Extract, Group, Origin};
 use super::ffi::{self, FfiError, Session};
+use super::sandbox;
 
 /// What the parent asks for.
 #[derive(Debug, Serialize, Deserialize)]
@@ -30,6 +31,8 @@ pub(super) struct Request {
     /// Libraries to try, best first.
     pub libraries: Vec<PathBuf>,
     pub outcome: PathBuf,
+    /// Let the script run programs and write files.
+    pub trust: bool,
 }
 
 /// What the worker answers.
@@ -110,6 +113,11 @@ fn serve() -> io::Result<()> {
     io::stdin().lock().read_line(&mut line)?;
     let request: Request = serde_json::from_str(&line)?;
     std::thread::spawn(|| exit_with_parent());
+    sandbox::limit_memory();
+    if !request.trust {
+        let folder = request.outcome.parent().unwrap_or(Path::new("."));
+        sandbox::shut_in(folder).map_err(io::Error::other)?;
+    }
     let outcome = mesh(&request);
     let bytes = postcard::to_stdvec(&outcome).map_err(io::Error::other)?;
     let unfinished = request.outcome.with_extension("part");

@@ -9,12 +9,12 @@ pub(super) fn mesh_geometry(plan: &Plan, options: &Options) -> Result<Extract, R
     if meshio::reads(&plan.geometry.file) {
         return foreign_mesh(plan, options);
     }
-    gmsh::mesh(
-        &plan.geometry.file,
-        &plan.geometry.parameters,
-        &options.gmsh,
-    )
-    .map_err(|error| gmsh_error(plan, error))
+    let gmsh = gmsh::Options {
+        trust: plan.geometry.trust,
+        ..options.gmsh.clone()
+    };
+    gmsh::mesh(&plan.geometry.file, &plan.geometry.parameters, &gmsh)
+        .map_err(|error| gmsh_error(plan, error))
 }
 
 fn foreign_mesh(plan: &Plan, options: &Options) -> Result<Extract, RunError> {
@@ -47,6 +47,11 @@ pub(super) fn gmsh_error(plan: &Plan, error: GmshError) -> RunError {
             Some(name) => (format!("geometry/parameters/{name}"), parameters_help(plan)),
             None => ("geometry/file".to_owned(), None),
         },
+        GmshError::Deed(_) => {
+            let help = "remove it; if you know where the file comes from, let it: `--trust-geometry`, or \
+                        `trust: true` under `geometry`";
+            ("geometry/file".to_owned(), Some(help.to_owned()))
+        }
         GmshError::FileKind { .. } => ("geometry/file".to_owned(), foreign_help()),
         GmshError::FileMissing { .. } | GmshError::PathNotText { .. } | GmshError::Script(_) => {
             ("geometry/file".to_owned(), None)

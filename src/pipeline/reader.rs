@@ -107,6 +107,7 @@ impl Reader<'_> {
                 .iter()
                 .map(|(k, v)| (k.clone(), parameter(v)))
                 .collect(),
+            trust: geometry.trust,
         })
     }
 

@@ -59,6 +59,9 @@ pub struct Geometry {
     /// `DefineConstant` values of the `.geo`.
     #[serde(default)]
     pub parameters: BTreeMap<String, Scalar>,
+    /// Let the `.geo` run programs and write files.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub trust: bool,
 }
 
 fn metre() -> String {

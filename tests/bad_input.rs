@@ -194,7 +194,17 @@ fn meshes_that_do_not_fit() {
         "the order is at most 2",
         "Mesh.ElementOrder = 2;",
     ];
-    assert_edit("order: 2", "order: 3", &cubic);
+    assert_geo(
+        "Mesh.ElementOrder = order;",
+        "Mesh.ElementOrder = 3;",
+        &cubic,
+    );
+    // Before Gmsh is asked: the script offers two orders.
+    let choices = [
+        "bar.yaml:5:37",
+        "parameter 'order' of geo/bar.geo must be 1 or 2, not 3",
+    ];
+    assert_edit("order: 2", "order: 3", &choices);
     // The band is not meshed.
     let hidden =
         "\nHide { Surface{:}; } Show { Surface{70}; Surface{72}; }\nMesh.MeshOnlyVisible = 1;\n";

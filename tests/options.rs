@@ -482,7 +482,9 @@ fn placements_and_cell_areas() {
         case(false, true),
         case(false, false),
     ]);
-    assert_eq!(found[2], found[3], "whole cells cannot be clipped");
+    // Loads are shared by nearness or by areas, which round otherwise.
+    let same = (found[2] / found[3] - 1.0).abs() < 1e-11;
+    assert!(same, "whole cells cannot be clipped: {found:?}");
     assert_all_differ(found[..3].to_vec());
 }
 

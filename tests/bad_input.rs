@@ -777,3 +777,51 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn loads_and_supports_of_every_kind() {
+    let edit = |new: &str, message: &[&str]| {
+        let load = "  - { group: load, traction: { x: 1.05 MPa } }";
+        assert_edit(load, new, message);
+    };
+    edit(
+        "  - { group: load, force: { x: 1 MPa } }",
+        &["bar.yaml:19:", "`1 MPa` is a pressure", "a force"],
+    );
+    edit(
+        "  - { group: load, force: {} }",
+        &["this force has no component"],
+    );
+    edit(
+        "  - { group: load, displacement: { x: 0, normal: 0 } }",
+        &["along `x` and `y`, or along `normal` and `tangential`"],
+    );
+    edit(
+        "  - { group: load, displacement: { angle: 30 deg } }",
+        &["this displacement has no component"],
+    );
+    edit(
+        "  - { group: load, displacement: { x: 0, angle: steep } }",
+        &["`steep` is not an angle"],
+    );
+    edit(
+        "  - { group: load, body_force: { y: 1 kN/m^3 } }",
+        &["there is no physical surface `load`"],
+    );
+    edit(
+        "  - { group: band, force: { y: 1 kN } }",
+        &["is a surface", "only a `body_force`"],
+    );
+    edit(
+        "gravity: { y: -9.81 m/s^2 }",
+        &["`gravity` acts on nothing", "`density: 2400 kg/m^3`"],
+    );
+    edit(
+        "  - { group: corner, displacement: { normal: 0 } }",
+        &["group `corner` has no normal", "an `angle`"],
+    );
+    edit(
+        "  - { group: clamp, displacement: { x: 1 µm, angle: 30 deg } }",
+        &["that contradict each other", "possible together"],
+    );
+}

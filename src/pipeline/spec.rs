@@ -33,6 +33,9 @@ pub struct Spec {
     #[serde(default)]
     pub coupling: Coupling,
     pub boundary: Vec<Boundary>,
+    /// Acts on all regions whose material has a density.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<Gravity>,
     /// Absent: one elastic solve.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loading: Option<Loading>,
@@ -88,6 +91,8 @@ pub struct Material {
     pub compressive_strength: Option<Scalar>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_release_rate: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density: Option<Scalar>,
 }
 
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
@@ -286,16 +291,22 @@ impl<'de> Deserialize<'de> for Coupling {
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Boundary {
-    /// A physical curve or point.
+    /// A physical curve or point; for `body_force` a surface.
     #[serde(deserialize_with = "name")]
     #[schemars(schema_with = "name_schema")]
     pub group: String,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub displacement: Option<Components>,
+    pub displacement: Option<Displacement>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub traction: Option<Components>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Scalar>,
+    /// In all, on a curve or a point.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force: Option<Components>,
+    /// Per volume, on a surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body_force: Option<Components>,
     /// The phase of `loading.phases` that applies it; absent: a support in all of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<String>,
@@ -308,6 +319,33 @@ pub struct Components {
     pub x: Option<Scalar>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub y: Option<Scalar>,
+}
+
+/// Along x and y, or along axes turned by `angle`; or along the curve's normal and tangent.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Displacement {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tangential: Option<Scalar>,
+}
+
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Gravity {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase: Option<String>,
 }
 
 /// How the load grows while bonds break.

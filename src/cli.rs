@@ -15,6 +15,7 @@ use crate::pipeline::folder;
 use crate::pipeline::parameters::parameter_lines;
 use crate::pipeline::plan::Plan;
 use crate::pipeline::run::{Options, RunError, Standing, discretised, standings};
+use crate::phases::machine_memory;
 use crate::pipeline::source::InputError;
 use crate::pipeline::{schema, yaml};
 use crate::statics::{Estimate, Method};
@@ -414,6 +415,7 @@ fn list(plan: &Plan, reasons_too: bool) -> Result<(), RunError> {
 fn check(plan: &Plan, method: Option<Method>) -> Result<(), RunError> {
     let (model, boundary, extract) = discretised(plan, &Options::default())?;
     let estimate = Estimate::new(&model, &boundary, method, plan.loading.is_some())?;
+    estimate.fits(machine_memory())?;
     println!("{}: sound", plan.name);
     println!(
         "  mesh              {}, {} groups",

@@ -26,6 +26,7 @@ use crate::peridynamics::lattice::{
 };
 use crate::peridynamics::surface::{Surface, SurfaceCorrection, SurfaceError};
 use crate::peridynamics::visibility::Visibility;
+use crate::phases::machine_memory;
 use crate::springs::Springs;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashSet};
@@ -181,6 +182,18 @@ pub enum ModelError {
         region: String,
         points: f64,
         limit: f64,
+    },
+    /// Before memory is taken for them.
+    #[error(
+        "region `{region}` would hold {points:.1e} material points and {bonds:.1e} bonds: that needs {:.0} \
+         GB, and the machine has {:.0}", .bytes / 1e9, .machine / 1e9
+    )]
+    TooManyBonds {
+        region: String,
+        points: f64,
+        bonds: f64,
+        bytes: f64,
+        machine: f64,
     },
     #[error("region `{region}` cannot be spliced: {source}")]
     Splice { region: String, source: SpliceError },
@@ -407,7 +420,7 @@ impl Model {
             let outline = Outline::of_cells(&self.mesh, &self.lattice_cells(index));
             let axes = settings.lattice.axes();
             let turned = axes.outline(&outline);
-            check_count(region, &turned, settings.lattice.spacing)?;
+            check_count(region, &turned, &settings)?;
             let mut lattice = self.lattice(index, &turned, &settings.lattice);
             if self.splice.is_some() && !self.interface_segments(index).is_empty() {
                 // The lattice goes on behind the interface: it cuts no cell.
@@ -656,8 +669,17 @@ impl Model {
     }
 }
 
+/// What a bond takes at least, in the lists of bonds and in K: three quarters of what a million points
+/// with 24 bonds each took in all [bytes].
+const BOND_BYTES: f64 = 90.0;
+
 /// The lattice is laid over the outline's bounding box: that must fit into memory.
-fn check_count(region: &Region, outline: &Outline, spacing: f64) -> Result<(), ModelError> {
+fn check_count(
+    region: &Region,
+    outline: &Outline,
+    settings: &PeridynamicSettings,
+) -> Result<(), ModelError> {
+    let spacing = settings.lattice.spacing;
     let [low, high] = outline.bounds();
     let points = [0, 1]
         .iter()
@@ -669,6 +691,21 @@ fn check_count(region: &Region, outline: &Outline, spacing: f64) -> Result<(), M
             region,
             points,
             limit: MOST_POINTS,
+        });
+    }
+    let points = outline.area() / (spacing * spacing);
+    let family = std::f64::consts::PI * settings.horizon_ratio * settings.horizon_ratio;
+    let bonds = 0.5 * points * family.min(points);
+    let bytes = BOND_BYTES * bonds;
+    if let Some(machine) = machine_memory().map(|machine| machine as f64)
+        && bytes > machine
+    {
+        return Err(ModelError::TooManyBonds {
+            region: region.name.clone(),
+            points,
+            bonds,
+            bytes,
+            machine,
         });
     }
     Ok(())

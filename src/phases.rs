@@ -105,9 +105,24 @@ pub fn held_memory() -> Option<u64> {
     memory("VmRSS:")
 }
 
+/// The memory that this process can have at most [bytes]: of the machine, or less in a container; where
+/// the system tells.
+pub fn machine_memory() -> Option<u64> {
+    let machine = number_in("/proc/meminfo", "MemTotal:");
+    let group = ["memory.max", "memory/memory.limit_in_bytes"].iter().find_map(|file| {
+        let text = std::fs::read_to_string(format!("/sys/fs/cgroup/{file}")).ok()?;
+        text.trim().parse().ok()
+    });
+    machine.into_iter().chain(group).min()
+}
+
 fn memory(key: &str) -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|line| line.starts_with(key))?;
+    number_in("/proc/self/status", key)
+}
+
+fn number_in(file: &str, key: &str) -> Option<u64> {
+    let text = std::fs::read_to_string(file).ok()?;
+    let line = text.lines().find(|line| line.starts_with(key))?;
     let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
     Some(1024 * kilobytes)
 }

@@ -9,7 +9,7 @@ use crate::linear_solver::compliance::UnitLoads;
 use crate::linear_solver::{Factor, SolverError};
 use crate::model::Model;
 use crate::model::node_axes::direction;
-use crate::phases::Phases;
+use crate::phases::{Phases, machine_memory};
 use crate::support::{self, NotHeld};
 use faer::Mat;
 use std::collections::{BTreeMap, BTreeSet};
@@ -106,6 +106,15 @@ pub enum StaticsError {
         "the solution leaves a residual of {residual:.1e}, more than {limit:.0e}: the system is close to singular"
     )]
     Residual { residual: f64, limit: f64 },
+    #[error(
+        "the solution of {dofs} equations needs {:.1} GB, and the machine has {:.1}",
+        *.bytes as f64 / 1e9, *.machine as f64 / 1e9
+    )]
+    Memory {
+        dofs: usize,
+        bytes: u64,
+        machine: u64,
+    },
 }
 
 /// A solution with a larger relative residual is not one.
@@ -190,6 +199,7 @@ impl<'a> Solver<'a> {
             "`Model::with_node_axes` has been given the supports' axes"
         );
         let structure = Structure::new(model, method, phases)?;
+        Estimate::of(&structure, boundary, 0).fits(machine_memory())?;
         Ok(Solver {
             model,
             boundary,

@@ -53,6 +53,8 @@ pub enum ExtractError {
         total: usize,
         farthest: f64,
     },
+    #[error("the stored mesh is damaged: {reason}")]
+    Damaged { reason: String },
     #[error(
         "element {tag} of physical surface '{group}', near ({x}, {y}) in the geometry's unit, has \
          no area: are points of the geometry on top of each other?"
@@ -119,6 +121,36 @@ impl Extract {
         for dimension in 0..=3 {
             for (group, block) in self.blocks_of(dimension) {
                 check_kind(dimension, group, block)?;
+            }
+        }
+        self.check_indices()
+    }
+
+    /// A file of an earlier run may have come from anywhere: nothing in it is trusted.
+    fn check_indices(&self) -> Result<(), ExtractError> {
+        let damaged = |reason: String| Err(ExtractError::Damaged { reason });
+        if self.nodes.iter().flatten().any(|x| !x.is_finite()) {
+            return damaged("a coordinate is no number".to_owned());
+        }
+        for group in &self.groups {
+            for block in &group.blocks {
+                let kind = &block.kind_name;
+                let label = group.label();
+                let each = nodes_of_kind(block.kind);
+                if each != Some(block.nodes_per_element)
+                    || Some(block.nodes.len())
+                        != each.and_then(|each| each.checked_mul(block.tags.len()))
+                {
+                    return damaged(format!(
+                        "the elements '{kind}' of physical group '{label}' lack nodes"
+                    ));
+                }
+                if let Some(node) = block.nodes.iter().find(|&&node| node >= self.nodes.len()) {
+                    let total = self.nodes.len();
+                    return damaged(format!(
+                        "physical group '{label}' names the node {node}, of {total}"
+                    ));
+                }
             }
         }
         Ok(())
@@ -253,6 +285,16 @@ fn cell_kind(kind: i32) -> Option<CellKind> {
         9 => Some(CellKind::Tri6),
         16 => Some(CellKind::Quad8),
         _ => None,
+    }
+}
+
+/// Of the types that [`check_kind`] lets through.
+fn nodes_of_kind(kind: i32) -> Option<usize> {
+    match kind {
+        15 => Some(1),
+        1 => Some(2),
+        8 => Some(3),
+        kind => cell_kind(kind).map(CellKind::node_count),
     }
 }
 

@@ -1,7 +1,9 @@
 //! What a killed run goes on from: the state behind its last step, as it is kept.
 
 use super::bits;
-use crate::fracture::control::Ending;
+use super::history::Line;
+use super::stored::fits_model;
+use crate::fracture::control::{Ending, Problem};
 use crate::fracture::event::Load;
 use crate::fracture::state::{Energy, LoadForce, State};
 use crate::statics::SystemSize;
@@ -16,6 +18,30 @@ pub(super) struct Checkpoint {
     /// Lines of the journal that belong to it.
     pub lines: usize,
     pub frames: Vec<usize>,
+    /// What [`Ledger::close`] says of both.
+    pub ledger: String,
+}
+
+/// The lines and frames so far, hashed: a checkpoint counts on them.
+#[derive(Clone, Default)]
+pub(super) struct Ledger {
+    lines: blake3::Hasher,
+    frames: blake3::Hasher,
+}
+
+impl Ledger {
+    pub fn add_line(&mut self, bytes: &[u8]) {
+        self.lines.update(bytes);
+    }
+
+    /// `hash`: of the frame's file, as [`stamp::hash`](super::stamp::hash) has it.
+    pub fn add_frame(&mut self, hash: &str) {
+        self.frames.update(hash.as_bytes());
+    }
+
+    pub fn close(&self) -> String {
+        format!("{} {}", self.lines.finalize(), self.frames.finalize())
+    }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -50,7 +76,31 @@ impl Checkpoint {
             state: StoredState::from(state),
             lines,
             frames: frames.to_vec(),
+            ledger: String::new(),
         }
+    }
+
+    /// Whether it can be a state of this problem, behind these lines.
+    pub fn fits(&self, problem: &Problem, lines: &[Line]) -> bool {
+        let Problem {
+            model, programme, ..
+        } = problem;
+        let state = &self.state;
+        let (nodes, springs) = (model.node_count(), model.springs.len());
+        let fields = [state.displacement.as_slice(), &state.reaction];
+        let just_broken = state.just_broken.iter().map(|(spring, _)| spring);
+        let mut broken = state.broken.iter().chain(just_broken);
+        let phases = programme.phases.len();
+        let is_sound = |line: &Line| {
+            line.phase < phases && line.bonds_broken_total <= state.broken.len()
+        };
+        fits_model(model, &fields, &state.intact)
+            && lines.iter().all(is_sound)
+            && broken.all(|&spring| (spring as usize) < springs)
+            && state.fragments.iter().flatten().all(|&node| node < nodes)
+            && state.mechanisms.iter().all(|&dof| dof < 2 * nodes)
+            && state.phase < phases
+            && state.work.len() == phases
     }
 
     pub fn into_state(self) -> State {

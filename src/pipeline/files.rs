@@ -1,7 +1,8 @@
 //! The pipeline file on the disk: its text, what lies beside it, and where its results go.
 
 use super::source::{InputError, choices};
-use std::io::ErrorKind;
+use std::fs::File;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 /// The text of a pipeline file.
@@ -25,13 +26,24 @@ pub(super) fn read_text(path: &Path) -> Result<String, InputError> {
             Some(help),
         ));
     }
-    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
+    let open = || {
+        let mut bytes = Vec::new();
+        let mut start = File::open(path)?.take(LONGEST + 1);
+        start.read_to_end(&mut bytes)?;
+        Ok::<_, std::io::Error>(bytes)
+    };
+    let bytes = open().map_err(|error| match error.kind() {
         ErrorKind::NotFound => {
             let message = format!("there is no pipeline file {name}");
             InputError::plain(message, similar_file(path, &["yaml", "yml"]))
         }
         _ => InputError::plain(format!("the pipeline {name} cannot be read: {error}"), None),
     })?;
+    if bytes.len() as u64 > LONGEST {
+        let message = format!("{name} is longer than {} MB: no pipeline is", LONGEST >> 20);
+        let help = "is it another file? Meshes and geometries are named under `geometry`";
+        return Err(InputError::plain(message, Some(help.to_owned())));
+    }
     String::from_utf8(bytes).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
@@ -39,6 +51,9 @@ pub(super) fn read_text(path: &Path) -> Result<String, InputError> {
         InputError::plain(message, Some("save it as UTF-8 in your editor".to_owned()))
     })
 }
+
+/// A pipeline is some kilobytes long.
+const LONGEST: u64 = 4 << 20;
 
 /// Which file beside `path` was perhaps meant, or which there are.
 pub(super) fn similar_file(path: &Path, extensions: &[&str]) -> Option<String> {

@@ -3,7 +3,7 @@
 //! factorisations is a function of the state at the first.
 
 use super::bits;
-use super::checkpoint::Checkpoint;
+use super::checkpoint::{Checkpoint, Ledger};
 use super::drafter::{Drafter, Drafts};
 use super::folder::{file_error, remove};
 use super::history::{Line, header};
@@ -16,6 +16,7 @@ use super::scribe::{
 };
 use super::spec::Output;
 use super::stamp;
+use super::stored::fits_model;
 use super::validate::{limits, programme};
 use crate::fracture::control::{self, Ending, Problem, Record, Resolution};
 use crate::fracture::response::Response;
@@ -87,12 +88,16 @@ pub(super) fn frame_file(step: usize) -> String {
 }
 
 /// # Errors
-/// A frame that cannot be read.
-pub(super) fn read_frame(folder: &Path, step: usize) -> Result<Frame, RunError> {
+/// A frame that cannot be read, or is none of this model.
+pub(super) fn read_frame(folder: &Path, model: &Model, step: usize) -> Result<Frame, RunError> {
     let path = folder.join(frame_file(step));
     let bytes = fs::read(&path).map_err(|source| file_error("read", &path, source))?;
-    postcard::from_bytes(&bytes)
-        .map_err(|error| file_error("read", &path, std::io::Error::other(error)))
+    let damaged = |error| file_error("read", &path, std::io::Error::other(error));
+    let frame: Frame = postcard::from_bytes(&bytes).map_err(|error| damaged(error.to_string()))?;
+    match fits_model(model, &[&frame.displacement], &frame.intact) {
+        true => Ok(frame),
+        false => Err(damaged("it is of another model; --force runs anew".to_owned())),
+    }
 }
 
 /// What to run, and how.
@@ -132,11 +137,14 @@ pub(super) fn run(
     };
     let recipe = format!("{} {:?}", task.recipe, task.resolution);
     let mut chronicle = Chronicle::new(plan, &problem, stamp::hash(recipe.as_bytes()));
-    let resumed = chronicle.resume()?;
+    let (resumed, ledger) = match chronicle.resume()? {
+        Some((state, ledger)) => (Some(state), ledger),
+        None => (None, Ledger::default()),
+    };
     let trace = phases.trace().clone();
     let parts = Parts { plan, model };
     thread::scope(|scope| {
-        let scribe = Scribe::start(scope, &plan.folder, trace.clone())?;
+        let scribe = Scribe::start(scope, &plan.folder, ledger, trace.clone())?;
         let drafter = Drafter::start(scope, parts, task.draft.clone(), trace.clone());
         let mut writer = Writer {
             chronicle,
@@ -222,6 +230,16 @@ fn nothing_broke(problem: &Problem, state: &State) -> Option<String> {
     ))
 }
 
+/// Of what lies in the folder, if all frames do.
+fn ledger(folder: &Path, lines: &[Line], frames: &[usize]) -> Option<Ledger> {
+    let mut ledger = Ledger::default();
+    lines.iter().for_each(|line| ledger.add_line(&encode(line)));
+    for &step in frames {
+        ledger.add_frame(&stamp::hash_file(&folder.join(frame_file(step)))?);
+    }
+    Some(ledger)
+}
+
 /// The course of the run so far.
 struct Chronicle<'a> {
     plan: &'a Plan,
@@ -254,17 +272,17 @@ impl<'a> Chronicle<'a> {
     }
 
     /// The state of the checkpoint, if it is of this recipe; history and frames go on from there.
-    fn resume(&mut self) -> Result<Option<State>, RunError> {
+    fn resume(&mut self) -> Result<Option<(State, Ledger)>, RunError> {
         let folder = &self.plan.folder;
-        let has_frame = |&step: &usize| folder.join(frame_file(step)).is_file();
-        let stored = read_checkpoint(folder).filter(|checkpoint| {
-            checkpoint.recipe == self.recipe && checkpoint.frames.iter().all(has_frame)
-        });
+        let stored = read_checkpoint(folder).filter(|found| found.recipe == self.recipe);
         let stored = stored.and_then(|checkpoint| {
             let lines = read_journal(folder, checkpoint.lines)?;
-            Some((checkpoint, lines))
+            let ledger = ledger(folder, &lines, &checkpoint.frames)?;
+            let is_whole = ledger.close() == checkpoint.ledger;
+            (is_whole && checkpoint.fits(self.problem, &lines))
+                .then_some((checkpoint, lines, ledger))
         });
-        if let Some((checkpoint, lines)) = &stored {
+        if let Some((checkpoint, lines, _)) = &stored {
             self.history.clone_from(lines);
             self.frames.clone_from(&checkpoint.frames);
         } else {
@@ -277,7 +295,7 @@ impl<'a> Chronicle<'a> {
             text += &(self.csv(line) + "\n");
         }
         begin_history(folder, &text, &self.history)?;
-        Ok(stored.map(|(checkpoint, _)| checkpoint.into_state()))
+        Ok(stored.map(|(checkpoint, _, ledger)| (checkpoint.into_state(), ledger)))
     }
 
     fn csv(&self, line: &Line) -> String {

@@ -159,7 +159,7 @@ impl Outcome<'_> {
                 damage_picture(plan, &body, last_step, &solved.intact).compose()
             }
             (Sheet::DamageAt(step), _) => {
-                let frame = read_frame(&plan.folder, step)?;
+                let frame = read_frame(&plan.folder, model, step)?;
                 let body = Deformed::new(model, &frame.displacement);
                 damage_picture(plan, &body, Some(step), &frame.intact).compose()
             }
@@ -174,7 +174,7 @@ impl Outcome<'_> {
     fn most_loaded(&self) -> Result<Frame, RunError> {
         let solved = self.solved;
         match solved.fracture.as_ref().and_then(most_loaded_step) {
-            Some(step) => read_frame(&self.plan.folder, step),
+            Some(step) => read_frame(&self.plan.folder, self.model, step),
             None => Ok(Frame {
                 step: 0,
                 load_factor: 1.0,

@@ -36,7 +36,7 @@ impl Reel {
     /// A frame that cannot be read.
     pub fn new(plan: &Plan, model: &Model, course: &Course) -> Result<Reel, RunError> {
         let steps = chosen(course);
-        let read = |&step: &usize| read_frame(&plan.folder, step);
+        let read = |&step: &usize| read_frame(&plan.folder, model, step);
         let view = View::of(model, steps.iter().map(read))?;
         let picture = |frame: &Frame| {
             let body = Deformed::by(view.exaggeration, model, &frame.displacement);

@@ -18,6 +18,7 @@ use super::scribe::{HISTORY_FILE, Written};
 use super::solved::{Course, Solved, StoredSolution};
 use super::source::InputError;
 use super::stamp::{self, Manifest, Reasons, Recipe, Stage};
+use super::stored::read_stored;
 use super::validate::discretise;
 use crate::boundary::Boundary;
 use crate::coupling::Coupling;
@@ -30,7 +31,7 @@ use crate::phases::{Phases, peak_memory};
 use crate::statics::{self, Method, Solution, StaticsError};
 use crate::trace::{Kind, Trace};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -99,6 +100,11 @@ impl RunError {
                     .to_owned(),
             ),
             RunError::Viewer { help, .. } => Some(help.clone()),
+            RunError::Statics(StaticsError::Memory { .. }) => Some(
+                "choose a larger `spacing` or a smaller `horizon`, finite elements where no crack will go, \
+                 or a machine with more memory"
+                    .to_owned(),
+            ),
             RunError::File { .. } | RunError::Write(_) => Some(
                 "is there space, and may you write there? `--results FOLDER` chooses another place"
                     .to_owned(),
@@ -429,6 +435,7 @@ impl Run<'_> {
         let recipe = self.recipe(Stage::Solve)?;
         if self.is_fresh(Stage::Solve, &recipe)
             && let Some((stored, bytes)) = read_stored::<StoredSolution>(&path)
+            && stored.fits(model)
         {
             self.kept.insert(SOLUTION_FILE, stamp::hash(&bytes));
             self.observer.is_fresh(Stage::Solve);
@@ -698,11 +705,6 @@ const AREA_WARNING: f64 = 1e-6;
 
 fn encode(value: &impl Serialize) -> Vec<u8> {
     postcard::to_stdvec(value).expect("plain data in memory can be encoded")
-}
-
-fn read_stored<T: for<'de> Deserialize<'de>>(path: &Path) -> Option<(T, Vec<u8>)> {
-    let bytes = fs::read(path).ok()?;
-    Some((postcard::from_bytes(&bytes).ok()?, bytes))
 }
 
 /// The solve stage in one line.

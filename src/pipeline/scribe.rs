@@ -2,12 +2,13 @@
 //! order in which they were handed over: what a killed run leaves is what it would have left if the
 //! solve had waited for every write, up to some moment.
 
-use super::checkpoint::Checkpoint;
+use super::checkpoint::{Checkpoint, Ledger};
 use super::folder::file_error;
 use super::fracture::{Frame, encode, frame_file};
 use super::history::Line;
 use super::made::Made;
 use super::run::RunError;
+use super::stamp;
 use crate::output::write_whole;
 use crate::phases::Phases;
 use crate::trace::Trace;
@@ -48,14 +49,16 @@ pub(super) struct Written {
 }
 
 impl<'scope> Scribe<'scope> {
-    /// Goes on behind what the files hold.
+    /// Goes on behind what the files hold, and `ledger` knows.
     pub fn start(
         scope: &'scope Scope<'scope, '_>,
         folder: &Path,
+        ledger: Ledger,
         trace: Trace,
     ) -> Result<Scribe<'scope>, RunError> {
         let desk = Desk {
             folder: folder.to_owned(),
+            ledger,
             history: Appended::open(folder.join(HISTORY_FILE))?,
             journal: Appended::open(folder.join(JOURNAL_FILE))?,
             written: Written {
@@ -92,6 +95,7 @@ impl<'scope> Scribe<'scope> {
 /// The thread's own.
 struct Desk {
     folder: PathBuf,
+    ledger: Ledger,
     history: Appended,
     journal: Appended,
     written: Written,
@@ -100,15 +104,16 @@ struct Desk {
 impl Desk {
     fn work(mut self, queue: &Receiver<Order>) -> Result<Written, RunError> {
         for order in queue {
-            self.write(&order)?;
+            self.write(order)?;
         }
         Ok(self.written)
     }
 
     /// A checkpoint comes last: it counts on the lines and the frames before it.
-    fn write(&mut self, order: &Order) -> Result<(), RunError> {
+    fn write(&mut self, order: Order) -> Result<(), RunError> {
         let Desk {
             folder,
+            ledger,
             history,
             journal,
             written: Written { frames, phases },
@@ -116,7 +121,9 @@ impl Desk {
         if let Some((text, line)) = &order.line {
             phases.measure("history", || {
                 history.add(format!("{text}\n").as_bytes())?;
-                journal.add(&encode(line))
+                let bytes = encode(line);
+                ledger.add_line(&bytes);
+                journal.add(&bytes)
             })?;
         }
         if let Some(frame) = &order.frame {
@@ -124,16 +131,18 @@ impl Desk {
             let write = || {
                 Made::measured(frame_file(frame.step), &trace, |name| {
                     let bytes = encode(&**frame);
+                    ledger.add_frame(&stamp::hash(&bytes));
                     write_whole(&folder.join(name), &bytes)?;
                     Ok::<_, RunError>([frame.raw_bytes(), bytes.len() as u64])
                 })
             };
             frames.push(phases.measure("frames", write)?);
         }
-        if let Some(checkpoint) = &order.checkpoint {
+        if let Some(mut checkpoint) = order.checkpoint {
+            checkpoint.ledger = ledger.close();
             let path = folder.join(CHECKPOINT_FILE);
             phases.measure("checkpoints", || {
-                write_whole(&path, &sealed(&encode(&**checkpoint)))
+                write_whole(&path, &sealed(&encode(&*checkpoint)))
             })?;
         }
         Ok(())
@@ -191,7 +200,7 @@ fn sealed(bytes: &[u8]) -> Vec<u8> {
     [blake3::hash(bytes).as_bytes(), bytes].concat()
 }
 
-fn unsealed(sealed: &[u8]) -> Option<&[u8]> {
+pub(super) fn unsealed(sealed: &[u8]) -> Option<&[u8]> {
     let (hash, bytes) = sealed.split_first_chunk()?;
     (blake3::hash(bytes).as_bytes() == hash).then_some(bytes)
 }

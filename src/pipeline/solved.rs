@@ -2,7 +2,9 @@
 
 use super::bits;
 use super::history::Line;
+use super::stored::fits_model;
 use crate::fracture::control::Ending;
+use crate::model::Model;
 use crate::statics::{Solution, SystemSize};
 use serde::{Deserialize, Serialize};
 
@@ -49,6 +51,13 @@ pub(super) struct StoredFracture {
     ending: String,
     fragments: Vec<usize>,
     reason: Option<String>,
+}
+
+impl StoredSolution {
+    /// Whether it can be a solution of this model.
+    pub fn fits(&self, model: &Model) -> bool {
+        fits_model(model, &[&self.displacement, &self.reaction], &self.intact)
+    }
 }
 
 impl From<&Solved> for StoredSolution {

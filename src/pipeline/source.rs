@@ -1,5 +1,6 @@
 //! The pipeline file's text, and messages that point into it.
 
+use super::nesting::is_shallow;
 use marked_yaml::types::{MarkedScalarNode, Marker, Node, Span};
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use std::path::{Path, PathBuf};
@@ -53,11 +54,11 @@ pub struct Source {
 
 impl Source {
     pub fn new(path: &Path, text: String, overrides: Vec<(String, String)>) -> Source {
-        let marks = marked_yaml::parse_yaml(0, &text).ok();
+        let marks = is_shallow(&text).then(|| marked_yaml::parse_yaml(0, &text));
         Source {
             path: path.to_owned(),
             text,
-            marks,
+            marks: marks.and_then(Result::ok),
             overrides,
         }
     }

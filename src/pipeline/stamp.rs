@@ -7,7 +7,7 @@ use crate::output::{WriteError, write_durable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// The stages in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -144,8 +144,20 @@ pub fn path(folder: &Path, stage: Stage) -> PathBuf {
     folder.join(".stamps").join(format!("{stage}.json"))
 }
 
+/// `None` as well for one that no stage has written: outputs are hashed, replaced and removed by
+/// these names.
 pub fn read(folder: &Path, stage: Stage) -> Option<Manifest> {
-    serde_json::from_slice(&std::fs::read(path(folder, stage)).ok()?).ok()
+    let bytes = std::fs::read(path(folder, stage)).ok()?;
+    let manifest: Manifest = serde_json::from_slice(&bytes).ok()?;
+    let stays_inside = manifest.outputs.keys().all(|name| is_inside(name));
+    stays_inside.then_some(manifest)
+}
+
+/// Whether a name leads to a file below the results folder, and not to the stamps.
+fn is_inside(name: &str) -> bool {
+    let mut parts = Path::new(name).components().peekable();
+    parts.peek().is_some_and(|first| first.as_os_str() != ".stamps")
+        && parts.all(|part| matches!(part, Component::Normal(_)))
 }
 
 /// # Errors
@@ -176,8 +188,11 @@ pub fn stale(folder: &Path, stage: Stage, recipe: &Recipe) -> Reasons {
     reasons
 }
 
-/// The hash of a file's content, if it can be read.
+/// The hash of a file's content, if it can be read. A device or a pipe, which may never end, cannot.
 pub fn hash_file(path: &Path) -> Option<String> {
+    if !path.is_file() {
+        return None;
+    }
     let mut hasher = blake3::Hasher::new();
     hasher.update_reader(std::fs::File::open(path).ok()?).ok()?;
     Some(hasher.finalize().to_hex().to_string())

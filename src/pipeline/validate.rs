@@ -368,6 +368,10 @@ fn model_error(plan: &Plan, error: &ModelError) -> InputError {
         ModelError::TooManyPoints { region, .. } => {
             (spacing(region), "choose a larger `spacing`, and look at its unit".to_owned())
         }
+        ModelError::TooManyBonds { region, .. } => (
+            spacing(region),
+            "choose a larger `spacing` or a smaller `horizon`, and look at their units".to_owned(),
+        ),
     };
     plan.source.error(&key, error.to_string(), Some(help))
 }

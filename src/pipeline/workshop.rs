@@ -56,9 +56,14 @@ impl Workshop<'_> {
     }
 
     fn frame(&self, step: Option<usize>) -> Result<Frame, RunError> {
-        let Outcome { plan, solved, .. } = self.outcome;
+        let Outcome {
+            plan,
+            model,
+            solved,
+            ..
+        } = self.outcome;
         match step {
-            Some(step) => read_frame(&plan.folder, step),
+            Some(step) => read_frame(&plan.folder, model, step),
             None => Ok(Frame {
                 step: 0,
                 load_factor: 1.0,

@@ -1,6 +1,7 @@
 //! The text of a pipeline file, with what `--set` changes, to a [`Spec`]; what does not fit is told
 //! in the user's words, not in serde's.
 
+use super::nesting::is_shallow;
 use super::source::{InputError, Source, choices};
 use super::spec::Spec;
 use marked_yaml::{LoadError, LoaderOptions, parse_yaml_with_options};
@@ -63,7 +64,9 @@ fn option((key, value): &(String, String)) -> String {
 /// Well-formed YAML without a key that is written twice.
 fn document(source: &Source) -> Result<Yaml, InputError> {
     let options = LoaderOptions::default().error_on_duplicate_keys(true);
-    if let Err(LoadError::DuplicateKey(twice)) = parse_yaml_with_options(0, source.text(), options)
+    if is_shallow(source.text())
+        && let Err(LoadError::DuplicateKey(twice)) =
+            parse_yaml_with_options(0, source.text(), options)
     {
         let line = twice.prev_key.span().start().map_or(0, |mark| mark.line());
         let message = format!(

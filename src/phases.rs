@@ -109,10 +109,12 @@ pub fn held_memory() -> Option<u64> {
 /// the system tells.
 pub fn machine_memory() -> Option<u64> {
     let machine = number_in("/proc/meminfo", "MemTotal:");
-    let group = ["memory.max", "memory/memory.limit_in_bytes"].iter().find_map(|file| {
-        let text = std::fs::read_to_string(format!("/sys/fs/cgroup/{file}")).ok()?;
-        text.trim().parse().ok()
-    });
+    let group = ["memory.max", "memory/memory.limit_in_bytes"]
+        .iter()
+        .find_map(|file| {
+            let text = std::fs::read_to_string(format!("/sys/fs/cgroup/{file}")).ok()?;
+            text.trim().parse().ok()
+        });
     machine.into_iter().chain(group).min()
 }
 

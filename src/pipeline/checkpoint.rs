@@ -91,9 +91,8 @@ impl Checkpoint {
         let just_broken = state.just_broken.iter().map(|(spring, _)| spring);
         let mut broken = state.broken.iter().chain(just_broken);
         let phases = programme.phases.len();
-        let is_sound = |line: &Line| {
-            line.phase < phases && line.bonds_broken_total <= state.broken.len()
-        };
+        let is_sound =
+            |line: &Line| line.phase < phases && line.bonds_broken_total <= state.broken.len();
         fits_model(model, &fields, &state.intact)
             && lines.iter().all(is_sound)
             && broken.all(|&spring| (spring as usize) < springs)

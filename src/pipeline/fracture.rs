@@ -96,7 +96,9 @@ pub(super) fn read_frame(folder: &Path, model: &Model, step: usize) -> Result<Fr
     let frame: Frame = postcard::from_bytes(&bytes).map_err(|error| damaged(error.to_string()))?;
     match fits_model(model, &[&frame.displacement], &frame.intact) {
         true => Ok(frame),
-        false => Err(damaged("it is of another model; --force runs anew".to_owned())),
+        false => Err(damaged(
+            "it is of another model; --force runs anew".to_owned(),
+        )),
     }
 }
 

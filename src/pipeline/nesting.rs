@@ -1,7 +1,9 @@
 //! How deep a YAML text is nested. The reader that keeps lines and columns goes down by recursion, without
 //! end; the one that fills our data stops at 128, and so is asked first.
 
-use serde::de::{Deserialize, Deserializer, EnumAccess, MapAccess, SeqAccess, VariantAccess, Visitor};
+use serde::de::{
+    Deserialize, Deserializer, EnumAccess, MapAccess, SeqAccess, VariantAccess, Visitor,
+};
 use std::fmt;
 
 /// Whether the text is YAML that can be read by recursion.
@@ -81,7 +83,12 @@ mod tests {
 
     #[test]
     fn plain_files_are_shallow_and_endless_nesting_is_not() {
-        for text in ["", "a: {b: [1, 2.5, x, null, true]}", "a: 1\na: 2", "a: !b c"] {
+        for text in [
+            "",
+            "a: {b: [1, 2.5, x, null, true]}",
+            "a: 1\na: 2",
+            "a: !b c",
+        ] {
             assert!(is_shallow(text), "{text}");
         }
         for unit in ["[", "{a: ", "- ", "? "] {

@@ -156,7 +156,9 @@ pub fn read(folder: &Path, stage: Stage) -> Option<Manifest> {
 /// Whether a name leads to a file below the results folder, and not to the stamps.
 fn is_inside(name: &str) -> bool {
     let mut parts = Path::new(name).components().peekable();
-    parts.peek().is_some_and(|first| first.as_os_str() != ".stamps")
+    parts
+        .peek()
+        .is_some_and(|first| first.as_os_str() != ".stamps")
         && parts.all(|part| matches!(part, Component::Normal(_)))
 }
 

@@ -2,6 +2,7 @@
 //! end, without a panic, within the limits. `tests/hostile.rs` feeds some, `examples/hostile.rs` many.
 #![allow(dead_code)]
 
+use super::random::Random;
 use super::workplace::{PIPELINE, PLATE, repository};
 use peristitch::gmsh::geo_script::GeoScript;
 use peristitch::gmsh::{Block, Extract, Group};
@@ -17,19 +18,6 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
-
-/// SplitMix64 (Steele, Lea & Flood 2014): the same inputs in every run.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn below(&mut self, limit: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) % limit.max(1) as u64) as usize
-    }
-}
 
 /// Pieces that have broken readers before.
 const PIECES: [&[u8]; 22] = [
@@ -71,7 +59,11 @@ pub fn mutated(seeds: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
             5 => {
                 let end = (at + 1 + random.below(60)).min(bytes.len());
                 // Now and then thousands of times: depth and length.
-                let count = if random.below(50) == 0 { 2000 } else { 1 + random.below(3) };
+                let count = if random.below(50) == 0 {
+                    2000
+                } else {
+                    1 + random.below(3)
+                };
                 let again = bytes[at..end].repeat(count);
                 bytes.splice(at..at, again);
             }
@@ -259,7 +251,11 @@ fn container_bytes() -> Vec<u8> {
     let mut bytes = header.as_bytes().to_vec();
     bytes.push(b'\n');
     bytes.extend(floats.iter().flatten());
-    bytes.extend(integers[..22].iter().flat_map(|number| number.to_le_bytes()));
+    bytes.extend(
+        integers[..22]
+            .iter()
+            .flat_map(|number| number.to_le_bytes()),
+    );
     bytes
 }
 
@@ -303,8 +299,7 @@ pub fn targets(stored: &[(Kind, Vec<u8>)]) -> Vec<Target> {
                 .to_vec(),
             Box::new(|bytes| {
                 let text = String::from_utf8_lossy(bytes);
-                let _ = quantity::parse(&text, Dimension::Length);
-                let _ = quantity::number_and_unit(&text);
+                let _ = quantity::parse(&text, Dimension::LENGTH);
                 quantity::parse_any(&text)
                     .map(drop)
                     .map_err(|error| error.to_string())

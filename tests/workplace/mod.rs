@@ -103,6 +103,26 @@ impl Ended {
     }
 }
 
+/// What a run took, in its summary.
+const COSTS: [&str; 6] = [
+    "phases",
+    "seconds",
+    "behind",
+    "written",
+    "memory",
+    "peak_memory_bytes",
+];
+
+/// A summary without times and memory.
+fn without_costs(bytes: &[u8]) -> Vec<u8> {
+    let mut summary: Value = serde_json::from_slice(bytes).expect("JSON");
+    let entries = summary.as_object_mut().expect("an object");
+    for cost in COSTS {
+        entries.remove(cost);
+    }
+    summary.to_string().into_bytes()
+}
+
 impl Workplace {
     pub fn new() -> Workplace {
         let folder = tempfile::tempdir().expect("a temporary folder");
@@ -170,6 +190,49 @@ impl Workplace {
 
     pub fn summary(&self) -> Value {
         serde_json::from_slice(&self.read("results/bar/summary.json")).expect("JSON")
+    }
+
+    /// A folder of its own with the same files.
+    pub fn copy(&self) -> Workplace {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let place = Workplace { folder };
+        let mut pending = vec![PathBuf::new()];
+        while let Some(below) = pending.pop() {
+            for entry in std::fs::read_dir(self.folder.path().join(&below)).expect("readable") {
+                let entry = entry.expect("an entry");
+                let to = below.join(entry.file_name());
+                if entry.path().is_dir() {
+                    std::fs::create_dir_all(place.folder.path().join(&to)).expect("a new folder");
+                    pending.push(to);
+                } else {
+                    std::fs::copy(entry.path(), place.folder.path().join(&to)).expect("a copy");
+                }
+            }
+        }
+        place
+    }
+
+    /// Every file of a results folder but the stamps; of summaries what is no cost.
+    pub fn results(&self, folder: &str) -> BTreeMap<String, Vec<u8>> {
+        let root = self.path(folder);
+        let mut files = BTreeMap::new();
+        let mut pending = vec![root.clone()];
+        while let Some(folder) = pending.pop() {
+            for entry in std::fs::read_dir(&folder).expect("readable") {
+                let path = entry.expect("an entry").path();
+                if path.is_dir() {
+                    pending.extend((!path.ends_with(".stamps")).then_some(path));
+                    continue;
+                }
+                let mut bytes = std::fs::read(&path).expect("a file");
+                if path.ends_with("summary.json") {
+                    bytes = without_costs(&bytes);
+                }
+                let name = path.strip_prefix(&root).expect("below it");
+                files.insert(name.to_string_lossy().into_owned(), bytes);
+            }
+        }
+        files
     }
 
     /// Every file below the folder with the hash of its content and its time of modification.

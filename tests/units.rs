@@ -1,0 +1,163 @@
+//! Results do not depend on units, on the size of the body or on its stiffness: linear elasticity has no
+//! length and no pressure of its own. The same body from nanometres to thousands of kilometres and from
+//! 1 Pa to 1e15 Pa gives the same numbers, but for rounding; so does a pipeline in mm, MPa and N.
+
+mod common;
+mod workplace;
+
+use common::*;
+use peristitch::boundary::Boundary;
+use peristitch::coupling::Coupling;
+use peristitch::coupling::truss::NodeArea;
+use peristitch::fem::edge::EdgeLoad;
+use peristitch::material::{Material, PlaneState};
+use peristitch::mesh::CellKind;
+use peristitch::model::{Method, Model, ModelSettings};
+use peristitch::peridynamics::lattice::Placement;
+use peristitch::phases::Phases;
+use peristitch::statics;
+use workplace::{PIPELINE, PLATE, Workplace};
+
+/// The cantilever `length` × `length`/2, half elements and half points, under a traction of a millionth of E:
+/// u over its length, and the reactions over E times the sides.
+fn scaled(length: f64, young: f64, thickness: f64, coupling: Coupling) -> [Vec<f64>; 2] {
+    let grid = Grid {
+        size: [length, 0.5 * length],
+        count: [20, 10],
+        kind: CellKind::Quad8,
+    };
+    let mut mesh = grid.plain();
+    name_cells(&mut mesh, "elements", |x| x[0] < 0.5 * length);
+    name_cells(&mut mesh, "points", |x| x[0] > 0.5 * length);
+    name_curve(&mut mesh, "clamp", |x| x[0] < 1e-9 * length);
+    name_curve(&mut mesh, "load", |x| x[0] > (1.0 - 1e-9) * length);
+    let material = Material {
+        young,
+        poisson: 1.0 / 3.0,
+    };
+    let lattice = Method::Peridynamics(paper_lattice(length / 40.0, Placement::CellCentred));
+    let regions = vec![
+        region(&mesh, &["elements"], material, Method::FiniteElements),
+        region(&mesh, &["points"], material, lattice),
+    ];
+    let settings = ModelSettings {
+        plane: PlaneState::Stress,
+        thickness,
+        coupling,
+    };
+    let model = Model::build(mesh, regions, settings).expect("a sound model");
+    let mut boundary = Boundary::new(&model);
+    boundary
+        .displace(&model, "clamp", [Some(0.0), Some(0.0)])
+        .expect("a clamp");
+    boundary
+        .press(&model, "load", EdgeLoad::Traction([3e-7 * young, -1e-6 * young]))
+        .expect("a load");
+    let solution = statics::solve(&model, &boundary, &mut Phases::default()).expect("a solution");
+    let force = young * length * thickness;
+    let flat = |values: &[[f64; 2]], unit: f64| values.iter().flatten().map(|v| v / unit).collect();
+    [flat(&solution.displacement, length), flat(&solution.reaction, force)]
+}
+
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let largest = a.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let pairs = a.iter().zip(b);
+    pairs.fold(0.0, |m: f64, (a, b)| m.max((a - b).abs())) / largest
+}
+
+#[test]
+fn size_and_stiffness_play_no_part() {
+    for coupling in [Coupling::Truss(NodeArea::Lumped), Coupling::Clip, Coupling::Splice] {
+        let expected = scaled(1.0, 1.0, 1.0, coupling);
+        let mut worst = 0.0_f64;
+        for (length, young, thickness) in [
+            (1e-9, 1e11, 1e-9),
+            (1e6, 1e11, 1.0),
+            (1000.0, 1000.0, 1000.0),
+            (1e-3, 1.0, 1e-3),
+            (1.0, 1e15, 1.0),
+            (1e6, 1.0, 1e6),
+            (1e-9, 1e15, 1.0),
+            (0.3, 7e10, 0.01),
+        ] {
+            let found = scaled(length, young, thickness, coupling);
+            for (found, expected) in found.iter().zip(&expected) {
+                worst = worst.max(difference(expected, found));
+            }
+        }
+        println!("{coupling:?}: {worst:.1e}");
+        // Only the last bits of coordinates and of the loads differ.
+        assert!(worst < LARGEST, "{coupling:?}: {worst:e}");
+    }
+}
+
+/// Of what the largest displacement or reaction is.
+const LARGEST: f64 = 1e-12;
+
+/// The history's columns.
+fn history(place: &Workplace) -> Vec<Vec<f64>> {
+    let text = String::from_utf8(place.read("results/plate/history.csv")).expect("UTF-8");
+    let number = |cell: &str| cell.parse().unwrap_or(0.0);
+    text.lines().skip(1).map(|line| line.split(',').map(number).collect()).collect()
+}
+
+/// λ [-], reaction [N], elastic and dissipated energy, work [J], crack length [m], and bonds broken.
+const SCALED: [usize; 6] = [2, 6, 7, 8, 9, 14];
+const BROKEN: usize = 11;
+
+#[test]
+fn a_pipeline_in_mm_and_mpa_is_the_one_in_si() {
+    let si = Workplace::new();
+    si.run(&[]);
+    let other = Workplace::new();
+    let text = PIPELINE
+        .replace("100 GPa", "100000 N/mm^2")
+        .replace("12.5 mm", "0.0125")
+        .replace("1.05 MPa", "1050 kN/m^2")
+        .replace("at: [1000 mm, 100 mm]", "at: [1, 0.1]")
+        .replace("1.05e-5 m", "0.0105 mm");
+    other.write("bar.yaml", text);
+    other.run(&[]);
+    let tip = |place: &Workplace| place.summary()["probes"][0]["displacement_m"].as_f64().expect("u");
+    let error = (tip(&si) - tip(&other)).abs() / tip(&si).abs();
+    println!("bar: {error:.1e}");
+    assert!(error < 1e-12, "{error:e}");
+}
+
+/// The plate a thousand times and a million times as large, a thousand times smaller, as soft as 1 Pa, as stiff
+/// as 1e15 Pa: the same bonds break in the same steps, and every number scales.
+#[test]
+fn a_plate_of_any_size_and_stiffness_breaks_in_the_same_steps() {
+    let plate = Workplace::with_plate();
+    plate.call(&["run", "plate.yaml"]).succeeded();
+    let expected = history(&plate);
+    assert!(expected.len() > 100);
+    for (unit, length, young) in [("m", 1e3, 30e9), ("km", 1e6, 30e9), ("um", 1e-3, 30e9), ("mm", 1.0, 1.0), ("m", 1e3, 1e15)] {
+        let place = Workplace::with_plate();
+        let stress = young / 30e9;
+        let text = PLATE
+            .replace("unit: mm", &format!("unit: {unit}"))
+            .replace("30 GPa", &format!("{young:e} Pa"))
+            .replace("2.01 MPa", &format!("{:e} Pa", 2.01e6 * stress))
+            .replace("20.1 MPa", &format!("{:e} Pa", 20.1e6 * stress))
+            .replace("spacing: 1 mm", &format!("spacing: {:e} m", 1e-3 * length))
+            .replace("2.0e-8 m", &format!("{:e} m", 2.0e-8 * length));
+        place.write("plate.yaml", text);
+        let ended = place.call(&["run", "plate.yaml"]);
+        assert_eq!(ended.code, Some(0), "{unit}, {young:e}: {}", ended.err);
+        let found = history(&place);
+        let broken = |lines: &[Vec<f64>]| lines.iter().map(|line| line[BROKEN]).collect::<Vec<_>>();
+        assert_eq!(broken(&found), broken(&expected), "{unit}, {young:e}");
+        // The thickness stays: forces grow as stress times length, energies as that times length.
+        let force = stress * length;
+        let energy = force * length;
+        let factors = [1.0, force, energy, energy, energy, length];
+        for (column, factor) in SCALED.into_iter().zip(factors) {
+            let of = |lines: &[Vec<f64>], factor: f64| lines.iter().map(|line| line[column] / factor).collect::<Vec<_>>();
+            let error = difference(&of(&expected, 1.0), &of(&found, factor));
+            println!("{unit}, {young:e}: column {column}: {error:.1e}");
+            assert!(error < 1e-9, "{unit}, {young:e}: column {column}: {error:e}");
+        }
+    }
+}

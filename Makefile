@@ -47,6 +47,7 @@ reliability:
 	@bash .ci/setup test
 	INPUTS=100000 FOLDERS=400 cargo test $(CARGO_FLAGS) --test hostile -- --nocapture
 	KILLS=200 cargo test $(CARGO_FLAGS) --test kills -- --nocapture --test-threads 1
+	REPEATS=20 cargo test $(CARGO_FLAGS) --test same_files -- --nocapture
 	RUNS=500 cargo test $(CARGO_FLAGS) --test soak -- --nocapture
 
 lint: format clippy doc

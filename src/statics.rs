@@ -404,7 +404,9 @@ fn check(model: &Model, solution: &Solution) -> Result<(), StaticsError> {
             y,
         });
     }
-    if solution.residual > RESIDUAL_LIMIT {
+    let is_solved = solution.residual <= RESIDUAL_LIMIT;
+    // Also for a residual that is not a number.
+    if !is_solved {
         let residual = solution.residual;
         return Err(StaticsError::Residual {
             residual,

@@ -12,7 +12,9 @@ use workplace::{BINARY, Ended, Workplace};
 fn run_with_blocks(place: &Workplace, blocks: usize) -> Ended {
     let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" run plate.yaml");
     let mut command = Command::new("sh");
-    command.args(["-c", &script, BINARY]).current_dir(place.path("."));
+    command
+        .args(["-c", &script, BINARY])
+        .current_dir(place.path("."));
     command.env("NO_COLOR", "1").stdin(Stdio::null());
     command.output().expect("it starts").into()
 }
@@ -34,7 +36,11 @@ fn a_full_disk_is_told_and_the_next_run_goes_on() {
         assert_eq!(ended.code, Some(1), "{blocks}: {}", ended.err);
         assert_eq!(ended.err.matches("  × ").count(), 1, "{}", ended.err);
         assert!(!ended.err.contains("panicked"), "{}", ended.err);
-        assert!(ended.err.contains("File too large"), "{blocks}: {}", ended.err);
+        assert!(
+            ended.err.contains("File too large"),
+            "{blocks}: {}",
+            ended.err
+        );
         let again = place.call(&["run", "plate.yaml"]);
         assert_eq!(again.code, Some(0), "{blocks}: {}", again.err);
         let found = place.results("results/plate");
@@ -64,7 +70,11 @@ fn a_read_only_folder_is_named_and_keeps_what_it_has() {
     place.call(&["run", "plate.yaml"]).succeeded();
     let folder = place.path("results/plate");
     let allow = |mode: u32| {
-        for folder in [folder.clone(), folder.join(".stamps"), folder.join("frames")] {
+        for folder in [
+            folder.clone(),
+            folder.join(".stamps"),
+            folder.join("frames"),
+        ] {
             let permissions = std::fs::Permissions::from_mode(mode);
             std::fs::set_permissions(folder, permissions).expect("ours");
         }
@@ -90,7 +100,12 @@ fn files_that_vanish_under_a_run_are_missed_by_name() {
     let whole = Workplace::with_plate();
     whole.call(&["run", "plate.yaml"]).succeeded();
     let expected = whole.results("results/plate");
-    for (steps, gone) in [(5, "frames"), (30, ".stamps"), (60, "frames/000007.bin"), (90, "history.csv")] {
+    for (steps, gone) in [
+        (5, "frames"),
+        (30, ".stamps"),
+        (60, "frames/000007.bin"),
+        (90, "history.csv"),
+    ] {
         let place = Workplace::with_plate();
         let mut command = place.command(&["run", "plate.yaml"]);
         let mut child = command.spawn().expect("the binary starts");
@@ -103,7 +118,11 @@ fn files_that_vanish_under_a_run_are_missed_by_name() {
             std::thread::sleep(Duration::from_micros(200));
         }
         let path = place.path("results/plate").join(gone);
-        let removed = if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
+        let removed = if path.is_dir() {
+            std::fs::remove_dir_all(&path)
+        } else {
+            std::fs::remove_file(&path)
+        };
         drop(removed);
         let ended = Ended::from(child.wait_with_output().expect("it has ended"));
         assert!(matches!(ended.code, Some(0 | 1)), "{gone}: {ended:?}");
@@ -124,7 +143,12 @@ fn files_that_vanish_under_a_run_are_missed_by_name() {
 #[test]
 fn two_runs_at_once_leave_one_result() {
     let place = Workplace::with_plate();
-    let start = || place.command(&["run", "plate.yaml"]).spawn().expect("the binary starts");
+    let start = || {
+        place
+            .command(&["run", "plate.yaml"])
+            .spawn()
+            .expect("the binary starts")
+    };
     let children: Vec<_> = (0..4).map(|_| start()).collect();
     let pids: Vec<u32> = children.iter().map(|child| child.id()).collect();
     let mut good = 0;
@@ -134,7 +158,11 @@ fn two_runs_at_once_leave_one_result() {
             Some(0) => good += 1,
             Some(1) => {
                 let names = |pid: &u32| ended.err.contains(&format!("process {pid}"));
-                assert!(ended.err.contains("another run is writing"), "{}", ended.err);
+                assert!(
+                    ended.err.contains("another run is writing"),
+                    "{}",
+                    ended.err
+                );
                 assert!(pids.iter().any(names), "{}", ended.err);
             }
             code => panic!("{code:?}: {}", ended.err),
@@ -154,8 +182,11 @@ fn times_of_files_play_no_part() {
     place.call(&["run", "plate.yaml"]).succeeded();
     let future = SystemTime::now() + Duration::from_secs(400 * 86_400);
     for (file, _) in place.snapshot() {
-        let file = std::fs::File::options().append(true).open(place.path(".").join(file));
-        file.and_then(|file| file.set_modified(future)).expect("ours");
+        let file = std::fs::File::options()
+            .append(true)
+            .open(place.path(".").join(file));
+        file.and_then(|file| file.set_modified(future))
+            .expect("ours");
     }
     let ended = place.call(&["run", "plate.yaml"]).succeeded();
     assert!(ended.stages().is_empty(), "{}", ended.err);
@@ -164,7 +195,9 @@ fn times_of_files_play_no_part() {
     place.write("plate.yaml", text);
     place.edit("plate.yaml", "every: 7", "every: 9");
     let past = SystemTime::UNIX_EPOCH + Duration::from_secs(1_000_000_000);
-    let file = std::fs::File::options().append(true).open(place.path("plate.yaml"));
+    let file = std::fs::File::options()
+        .append(true)
+        .open(place.path("plate.yaml"));
     file.and_then(|file| file.set_modified(past)).expect("ours");
     let ended = place.call(&["run", "plate.yaml"]).succeeded();
     assert_eq!(ended.stages(), ["solve", "output"], "{}", ended.err);

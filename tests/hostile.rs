@@ -8,19 +8,19 @@
 //! Then files in results folders, of runs that have ended and of one that was killed: the next run gives
 //! the same results, or says what is wrong. The damage goes with a manifest that vouches for it, too.
 
-#[path = "hostile/targets.rs"]
-mod targets;
 #[path = "hostile/random.rs"]
 mod random;
+#[path = "hostile/targets.rs"]
+mod targets;
 mod workplace;
 
 use peristitch::pipeline::stamp;
 use peristitch::pipeline::stored::Kind;
+use random::Random;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::time::{Duration, Instant};
-use random::Random;
 use targets::{Counting, mutated, targets};
 use workplace::Workplace;
 

@@ -140,7 +140,11 @@ fn at_work(place: &Workplace) -> Vec<String> {
 fn assert_nobody_at_work(place: &Workplace) {
     let begin = Instant::now();
     while !at_work(place).is_empty() {
-        assert!(begin.elapsed() < Duration::from_secs(5), "{:?}", at_work(place));
+        assert!(
+            begin.elapsed() < Duration::from_secs(5),
+            "{:?}",
+            at_work(place)
+        );
         std::thread::sleep(Duration::from_millis(5));
     }
 }
@@ -178,6 +182,10 @@ fn an_interrupted_sweep_says_so_and_goes_on_later() {
         assert_eq!(status.code(), Some(130), "{signal:?}");
         assert_nobody_at_work(&place);
         let ended = place.call(&["sweep", "plate.yaml"]).succeeded();
-        assert!(ended.err.contains("horizon") || ended.err.contains("control"), "{}", ended.err);
+        assert!(
+            ended.err.contains("horizon") || ended.err.contains("control"),
+            "{}",
+            ended.err
+        );
     }
 }

@@ -24,21 +24,28 @@ fn memory(process: u32) -> Option<u64> {
 }
 
 fn handles(process: u32) -> Option<usize> {
-    Some(std::fs::read_dir(format!("/proc/{process}/fd")).ok()?.count())
+    Some(
+        std::fs::read_dir(format!("/proc/{process}/fd"))
+            .ok()?
+            .count(),
+    )
 }
 
 /// Runs that have a result.
 fn done(place: &Workplace) -> usize {
     let folders = std::fs::read_dir(place.path("results/bar_sweep"));
     let folders = folders.into_iter().flatten().flatten();
-    folders.filter(|folder| folder.path().join("summary.json").is_file()).count()
+    folders
+        .filter(|folder| folder.path().join("summary.json").is_file())
+        .count()
 }
 
 #[test]
 fn a_long_sweep_takes_no_more_than_a_short_one() {
     let count = runs();
     let place = Workplace::new();
-    let sweep = format!("sweep: {{ over: {{ thickness: {{ from: 1, to: 2, count: {count} }} }} }}\n");
+    let sweep =
+        format!("sweep: {{ over: {{ thickness: {{ from: 1, to: 2, count: {count} }} }} }}\n");
     let pipeline = PIPELINE.to_owned() + "output: { pictures: false, report: false }\n" + &sweep;
     place.write("bar.yaml", pipeline);
     let mut command = place.command(&["sweep", "bar.yaml"]);
@@ -76,12 +83,18 @@ fn a_long_sweep_takes_no_more_than_a_short_one() {
     assert!(first.0 > 0 && last.0 > 0, "both quarters were seen");
     // The estimate of each run is made in this process: its model comes and goes. A leak of one model for each
     // run, 100 kB, would be ten times this.
-    assert!(last.0 < first.0 + 2000 + 10 * count as u64, "{first:?} {last:?} kB");
+    assert!(
+        last.0 < first.0 + 2000 + 10 * count as u64,
+        "{first:?} {last:?} kB"
+    );
     assert!(last.1 <= first.1, "{first:?} {last:?} open files");
 
     let table = String::from_utf8(place.read("results/bar_sweep/sweep.csv")).expect("UTF-8");
     assert_eq!(table.lines().count(), count + 1);
-    assert_eq!(table.matches(",done,").count() + table.matches(",done\n").count(), count);
+    assert_eq!(
+        table.matches(",done,").count() + table.matches(",done\n").count(),
+        count
+    );
     // u = σL/E, whatever the thickness: one number but for rounding.
     let tips: Vec<f64> = std::fs::read_dir(place.path("results/bar_sweep"))
         .expect("runs")

@@ -12,7 +12,8 @@ fn repository() -> &'static Path {
 }
 
 fn text(file: &str) -> String {
-    std::fs::read_to_string(repository().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"))
+    std::fs::read_to_string(repository().join(file))
+        .unwrap_or_else(|error| panic!("{file}: {error}"))
 }
 
 /// All packages of the lock file, those of other systems too.
@@ -36,7 +37,11 @@ fn allowed() -> BTreeSet<String> {
     let text = text("deny.toml");
     let list = text.split("allow = [").nth(1).expect("a list");
     let list = list.split(']').next().expect("its end");
-    list.split('"').skip(1).step_by(2).map(str::to_owned).collect()
+    list.split('"')
+        .skip(1)
+        .step_by(2)
+        .map(str::to_owned)
+        .collect()
 }
 
 /// Whether a licence expression can be met with the allowed ones; AND binds closer than OR, and the only
@@ -59,7 +64,11 @@ fn may_be_used(expression: &str, allowed: &BTreeSet<String>) -> bool {
 fn every_licence_is_permissive() {
     let allowed = allowed();
     let refused: Vec<String> = (packages().iter())
-        .filter(|p| !p["license"].as_str().is_some_and(|l| may_be_used(l, &allowed)))
+        .filter(|p| {
+            !p["license"]
+                .as_str()
+                .is_some_and(|l| may_be_used(l, &allowed))
+        })
         .map(|p| format!("{} {}: {}", p["name"], p["version"], p["license"]))
         .collect();
     assert!(refused.is_empty(), "{refused:#?}");
@@ -79,12 +88,19 @@ fn every_licence_is_permissive() {
 fn everything_comes_from_the_registry_with_a_checksum() {
     let foreign: Vec<String> = (packages().iter())
         .filter(|p| p["name"] != "peristitch")
-        .filter(|p| !p["source"].as_str().is_some_and(|s| s.starts_with("registry+https://github.com/rust-lang/crates.io-index")))
+        .filter(|p| {
+            !p["source"].as_str().is_some_and(|s| {
+                s.starts_with("registry+https://github.com/rust-lang/crates.io-index")
+            })
+        })
         .map(|p| p["name"].to_string())
         .collect();
     assert!(foreign.is_empty(), "{foreign:?}");
     let lock = text("Cargo.lock");
-    assert_eq!(lock.matches("\nsource = ").count(), lock.matches("\nchecksum = ").count());
+    assert_eq!(
+        lock.matches("\nsource = ").count(),
+        lock.matches("\nchecksum = ").count()
+    );
 }
 
 /// Packages that are there in several versions, none of them ours to choose; a new one has to be looked at.
@@ -108,11 +124,14 @@ const TWICE: [&str; 12] = [
 fn nothing_new_is_there_twice() {
     let mut versions: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for package in packages() {
-        let [name, version] = ["name", "version"].map(|key| package[key].as_str().expect("text").to_owned());
+        let [name, version] =
+            ["name", "version"].map(|key| package[key].as_str().expect("text").to_owned());
         versions.entry(name).or_default().insert(version);
     }
     let twice = versions.iter().filter(|(_, versions)| versions.len() > 1);
-    let new: Vec<_> = twice.filter(|(name, _)| !TWICE.contains(&name.as_str())).collect();
+    let new: Vec<_> = twice
+        .filter(|(name, _)| !TWICE.contains(&name.as_str()))
+        .collect();
     assert!(new.is_empty(), "{new:?}");
 }
 
@@ -150,9 +169,15 @@ fn unsafe_code_stands_in_two_files() {
                 let source = std::fs::read_to_string(&path).expect("UTF-8");
                 let is_used = source.lines().any(|line| {
                     let code = line.split("//").next().unwrap_or_default();
-                    ["unsafe {", "unsafe fn", "unsafe impl", "unsafe extern", "allow(unsafe_code)"]
-                        .iter()
-                        .any(|word| code.contains(word))
+                    [
+                        "unsafe {",
+                        "unsafe fn",
+                        "unsafe impl",
+                        "unsafe extern",
+                        "allow(unsafe_code)",
+                    ]
+                    .iter()
+                    .any(|word| code.contains(word))
                 });
                 if is_used {
                     let name = path.strip_prefix(repository().join("src")).expect("below");

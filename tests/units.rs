@@ -51,12 +51,19 @@ fn scaled(length: f64, young: f64, thickness: f64, coupling: Coupling) -> [Vec<f
         .displace(&model, "clamp", [Some(0.0), Some(0.0)])
         .expect("a clamp");
     boundary
-        .press(&model, "load", EdgeLoad::Traction([3e-7 * young, -1e-6 * young]))
+        .press(
+            &model,
+            "load",
+            EdgeLoad::Traction([3e-7 * young, -1e-6 * young]),
+        )
         .expect("a load");
     let solution = statics::solve(&model, &boundary, &mut Phases::default()).expect("a solution");
     let force = young * length * thickness;
     let flat = |values: &[[f64; 2]], unit: f64| values.iter().flatten().map(|v| v / unit).collect();
-    [flat(&solution.displacement, length), flat(&solution.reaction, force)]
+    [
+        flat(&solution.displacement, length),
+        flat(&solution.reaction, force),
+    ]
 }
 
 fn difference(a: &[f64], b: &[f64]) -> f64 {
@@ -68,7 +75,11 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 
 #[test]
 fn size_and_stiffness_play_no_part() {
-    for coupling in [Coupling::Truss(NodeArea::Lumped), Coupling::Clip, Coupling::Splice] {
+    for coupling in [
+        Coupling::Truss(NodeArea::Lumped),
+        Coupling::Clip,
+        Coupling::Splice,
+    ] {
         let expected = scaled(1.0, 1.0, 1.0, coupling);
         let mut worst = 0.0_f64;
         for (length, young, thickness) in [
@@ -95,11 +106,81 @@ fn size_and_stiffness_play_no_part() {
 /// Of what the largest displacement or reaction is.
 const LARGEST: f64 = 1e-12;
 
+/// One element of 1 m beside points 0.1 mm apart, 20 mm high and pulled: its mean strain is σ/E, since the force
+/// that crosses it is that of the load. What the strip of points does, 0.8 mm wide, is not seen from there.
+#[test]
+fn points_may_be_ten_thousand_times_smaller_than_elements() {
+    const STRESS: f64 = 1e6;
+    for coupling in [
+        Coupling::Truss(NodeArea::Lumped),
+        Coupling::Clip,
+        Coupling::Splice,
+    ] {
+        let grid = Grid {
+            size: [2.0, 0.02],
+            count: [2, 1],
+            kind: CellKind::Quad8,
+        };
+        let mut mesh = grid.mesh(|[x, y]| [if x > 1.0 { 1.0 + 8e-4 * (x - 1.0) } else { x }, y]);
+        name_cells(&mut mesh, "elements", |x| x[0] < 1.0);
+        name_cells(&mut mesh, "points", |x| x[0] > 1.0);
+        name_curve(&mut mesh, "left", |x| x[0] < 1e-9);
+        name_curve(&mut mesh, "bottom", |x| x[1] < 1e-9 && x[0] < 0.9);
+        name_curve(&mut mesh, "load", |x| x[0] > 1.0 + 7.9e-4);
+        let lattice = Method::Peridynamics(paper_lattice(1e-4, Placement::CellCentred));
+        let regions = vec![
+            region(&mesh, &["elements"], steel(), Method::FiniteElements),
+            region(&mesh, &["points"], steel(), lattice),
+        ];
+        let settings = ModelSettings {
+            plane: PlaneState::Stress,
+            thickness: 1.0,
+            coupling,
+        };
+        let model = Model::build(mesh, regions, settings).expect("a sound model");
+        assert_eq!(model.areas.len(), 200 * 8);
+        let mut boundary = Boundary::new(&model);
+        let held = [("left", [Some(0.0), None]), ("bottom", [None, Some(0.0)])];
+        for (group, values) in held {
+            boundary.displace(&model, group, values).expect("a support");
+        }
+        boundary
+            .press(&model, "load", EdgeLoad::Traction([STRESS, 0.0]))
+            .expect("a load");
+        let solution =
+            statics::solve(&model, &boundary, &mut Phases::default()).expect("a solution");
+        let on_interface = |n: &usize| (model.positions[*n][0] - 1.0).abs() < 1e-9;
+        let nodes: Vec<usize> = (0..model.fe_node_count()).filter(on_interface).collect();
+        assert_eq!(nodes.len(), 3);
+        // Simpson's rule along the interface.
+        let weight = |n: usize| {
+            if (model.positions[n][1] - 0.01).abs() < 1e-9 {
+                4.0
+            } else {
+                1.0
+            }
+        };
+        let mean: f64 = nodes
+            .iter()
+            .map(|&n| weight(n) / 6.0 * solution.displacement[n][0])
+            .sum();
+        let error = mean / (STRESS / steel().young) - 1.0;
+        println!(
+            "{coupling:?}: {error:.1e}, residual {:.1e}",
+            solution.residual
+        );
+        assert!(error.abs() < 1e-3, "{coupling:?}: {error:e}");
+    }
+}
+
 /// The history's columns.
 fn history(place: &Workplace) -> Vec<Vec<f64>> {
     let text = String::from_utf8(place.read("results/plate/history.csv")).expect("UTF-8");
     let number = |cell: &str| cell.parse().unwrap_or(0.0);
-    text.lines().skip(1).map(|line| line.split(',').map(number).collect()).collect()
+    text.lines()
+        .skip(1)
+        .map(|line| line.split(',').map(number).collect())
+        .collect()
 }
 
 /// λ [-], reaction [N], elastic and dissipated energy, work [J], crack length [m], and bonds broken.
@@ -119,7 +200,11 @@ fn a_pipeline_in_mm_and_mpa_is_the_one_in_si() {
         .replace("1.05e-5 m", "0.0105 mm");
     other.write("bar.yaml", text);
     other.run(&[]);
-    let tip = |place: &Workplace| place.summary()["probes"][0]["displacement_m"].as_f64().expect("u");
+    let tip = |place: &Workplace| {
+        place.summary()["probes"][0]["displacement_m"]
+            .as_f64()
+            .expect("u")
+    };
     let error = (tip(&si) - tip(&other)).abs() / tip(&si).abs();
     println!("bar: {error:.1e}");
     assert!(error < 1e-12, "{error:e}");
@@ -133,7 +218,13 @@ fn a_plate_of_any_size_and_stiffness_breaks_in_the_same_steps() {
     plate.call(&["run", "plate.yaml"]).succeeded();
     let expected = history(&plate);
     assert!(expected.len() > 100);
-    for (unit, length, young) in [("m", 1e3, 30e9), ("km", 1e6, 30e9), ("um", 1e-3, 30e9), ("mm", 1.0, 1.0), ("m", 1e3, 1e15)] {
+    for (unit, length, young) in [
+        ("m", 1e3, 30e9),
+        ("km", 1e6, 30e9),
+        ("um", 1e-3, 30e9),
+        ("mm", 1.0, 1.0),
+        ("m", 1e3, 1e15),
+    ] {
         let place = Workplace::with_plate();
         let stress = young / 30e9;
         let text = PLATE
@@ -154,10 +245,18 @@ fn a_plate_of_any_size_and_stiffness_breaks_in_the_same_steps() {
         let energy = force * length;
         let factors = [1.0, force, energy, energy, energy, length];
         for (column, factor) in SCALED.into_iter().zip(factors) {
-            let of = |lines: &[Vec<f64>], factor: f64| lines.iter().map(|line| line[column] / factor).collect::<Vec<_>>();
+            let of = |lines: &[Vec<f64>], factor: f64| {
+                lines
+                    .iter()
+                    .map(|line| line[column] / factor)
+                    .collect::<Vec<_>>()
+            };
             let error = difference(&of(&expected, 1.0), &of(&found, factor));
             println!("{unit}, {young:e}: column {column}: {error:.1e}");
-            assert!(error < 1e-9, "{unit}, {young:e}: column {column}: {error:e}");
+            assert!(
+                error < 1e-9,
+                "{unit}, {young:e}: column {column}: {error:e}"
+            );
         }
     }
 }

@@ -27,7 +27,7 @@ use super::corridor;
 use super::event::{Bounds, Event, Load, is_at_limit};
 use super::functional::{Values, fields};
 use super::gone::{Gone, Start};
-use super::response::Solutions;
+use super::response::{Solutions, nan_max};
 use super::state::State;
 use super::zone::{Front, Zone};
 use crate::statics::{Factorised, Solution};
@@ -284,7 +284,7 @@ impl Scout<'_> {
             let cost = start.flops + gone as f64 * n * n + (1 + LOOKS) as f64 * SOLUTION * entries;
             let is_whole = count == crossing.moments.len();
             self.accept(crossing, count, first);
-            self.ahead.residual = self.ahead.residual.max(end.residual());
+            self.ahead.residual = nan_max(self.ahead.residual, end.residual());
             let next = match is_whole && !goes_on {
                 true => None,
                 false => self.next(end),
@@ -459,7 +459,7 @@ impl Scout<'_> {
                 .flat_map(|a| factors.iter().map(move |b| (a, b)));
             corners
                 .map(|(a, b)| limit.utilisation(a * held + b * unit))
-                .fold(0.0, f64::max)
+                .fold(0.0, nan_max)
         };
         let all = springs.par_iter().map(largest);
         all.reduce(|| 0.0, nan_max)
@@ -508,9 +508,4 @@ impl Crossing<'_> {
     fn gone(&self, count: usize) -> usize {
         self.moments[..count].iter().map(|m| m.bonds.len()).sum()
     }
-}
-
-/// The larger one; not a number if either is not.
-fn nan_max(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a > b { a } else { b }
 }

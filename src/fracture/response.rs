@@ -80,7 +80,7 @@ impl Solutions {
     /// The larger relative residual of the two.
     pub fn residual(&self) -> f64 {
         let held = self.held.as_ref().map_or(0.0, |held| held.residual);
-        held.max(self.unit.residual)
+        nan_max(held, self.unit.residual)
     }
 
     fn values(&self, problem: &Problem) -> Values {
@@ -209,7 +209,7 @@ impl Response {
     /// Relative residual.
     pub fn residual(&self) -> f64 {
         let ahead = self.now().map_or(0.0, |(ahead, _)| ahead.residual);
-        ahead.max(self.solved.residual())
+        nan_max(ahead, self.solved.residual())
     }
 
     /// Resultants and works.
@@ -282,6 +282,11 @@ impl Response {
     }
 }
 
+/// The larger one; not a number if either is not: `f64::max` would pass over a solution that is none.
+pub(super) fn nan_max(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
 fn intact<'a>(
     problem: &Problem,
     state: &'a State,
@@ -323,4 +328,32 @@ fn unit_guess(state: &State, held: Option<&Solution>) -> Option<Vec<[f64; 2]>> {
     };
     let nodes = state.displacement.iter().enumerate();
     scale.is_finite().then(|| nodes.map(of).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statics::SystemSize;
+
+    #[test]
+    fn a_solution_that_is_none_is_not_passed_over() {
+        let solution = |residual| Solution {
+            displacement: Vec::new(),
+            reaction: Vec::new(),
+            residual,
+            size: SystemSize::from_numbers([0; 4]),
+        };
+        let of = |held: Option<f64>, unit| {
+            let (held, unit) = (held.map(solution), solution(unit));
+            Solutions { held, unit }.residual()
+        };
+        assert_eq!([of(None, 2.0), of(Some(3.0), 2.0)], [2.0, 3.0]);
+        for (held, unit) in [
+            (None, f64::NAN),
+            (Some(f64::NAN), 1.0),
+            (Some(1.0), f64::NAN),
+        ] {
+            assert!(of(held, unit).is_nan());
+        }
+    }
 }

@@ -136,11 +136,12 @@ impl Extract {
             for block in &group.blocks {
                 let kind = &block.kind_name;
                 let label = group.label();
-                let each = nodes_of_kind(block.kind);
-                if each != Some(block.nodes_per_element)
-                    || Some(block.nodes.len())
-                        != each.and_then(|each| each.checked_mul(block.tags.len()))
-                {
+                let each = block.nodes_per_element;
+                let is_empty = block.tags.is_empty() && block.nodes.is_empty();
+                let is_whole = nodes_of_kind(block.kind) == Some(each)
+                    && each.checked_mul(block.tags.len()) == Some(block.nodes.len());
+                // An empty one may have no nodes to count, but not none per element.
+                if each == 0 || !(is_empty || is_whole) {
                     return damaged(format!(
                         "the elements '{kind}' of physical group '{label}' lack nodes"
                     ));

@@ -1,6 +1,8 @@
 //! The command line: arguments → pipelines, progress to standard error, results to standard output.
 //! Exit codes: 0 done, 1 the computation failed, 2 the input is wrong.
 
+#[macro_use]
+mod say;
 mod new;
 mod numbers;
 mod progress;
@@ -22,7 +24,7 @@ use crate::statics::{Estimate, Method};
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::collections::BTreeMap;
 use std::ffi::OsString;
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::mpsc;
@@ -183,6 +185,10 @@ impl Common {
 
 /// Parses the arguments and does what they say.
 pub fn main() -> ExitCode {
+    say::end(command())
+}
+
+fn command() -> ExitCode {
     set_up_messages();
     let done = match Cli::parse().command {
         Command::Run(arguments) => return run::run(&arguments),
@@ -238,7 +244,7 @@ pub fn main() -> ExitCode {
 
 /// A reader that has read enough, such as `head`, is no error.
 fn print(text: &str) -> Result<(), RunError> {
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    print!("{text}");
     Ok(())
 }
 

@@ -23,7 +23,7 @@ use workplace::{PIPELINE, PLATE, Workplace};
 fn scaled(length: f64, young: f64, thickness: f64, coupling: Coupling) -> [Vec<f64>; 2] {
     let grid = Grid {
         size: [length, 0.5 * length],
-        count: [20, 10],
+        count: [10, 5],
         kind: CellKind::Quad8,
     };
     let mut mesh = grid.plain();
@@ -35,7 +35,7 @@ fn scaled(length: f64, young: f64, thickness: f64, coupling: Coupling) -> [Vec<f
         young,
         poisson: 1.0 / 3.0,
     };
-    let lattice = Method::Peridynamics(paper_lattice(length / 40.0, Placement::CellCentred));
+    let lattice = Method::Peridynamics(paper_lattice(length / 20.0, Placement::CellCentred));
     let regions = vec![
         region(&mesh, &["elements"], material, Method::FiniteElements),
         region(&mesh, &["points"], material, lattice),
@@ -121,7 +121,8 @@ fn points_may_be_ten_thousand_times_smaller_than_elements() {
             count: [2, 1],
             kind: CellKind::Quad8,
         };
-        let mut mesh = grid.mesh(|[x, y]| [if x > 1.0 { 1.0 + 8e-4 * (x - 1.0) } else { x }, y]);
+        // The right half is pushed together to 0.8 mm.
+        let mut mesh = grid.mesh(|[x, _]| [(8e-4 - 1.0) * f64::max(0.0, x - 1.0), 0.0]);
         name_cells(&mut mesh, "elements", |x| x[0] < 1.0);
         name_cells(&mut mesh, "points", |x| x[0] > 1.0);
         name_curve(&mut mesh, "left", |x| x[0] < 1e-9);

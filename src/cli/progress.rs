@@ -6,7 +6,7 @@ use crate::pipeline::run::{Observer, RunError, Step};
 use crate::pipeline::stamp::Stage;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::time::Duration;
 
 /// A line per stage on standard error; a spinner while it runs, where a person watches.
@@ -110,7 +110,7 @@ pub(super) fn print_error(error: &RunError, code: u8) {
 
 /// A reader that has gone away is no reason to end the run.
 fn print_line(line: &Value) {
-    let _ = writeln!(std::io::stdout(), "{line}");
+    println!("{line}");
 }
 
 impl Observer for JsonLines {

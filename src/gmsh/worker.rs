@@ -6,7 +6,7 @@
 //! [`Outcome`] goes to a file that appears under its name only when it is complete.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::{self, BufRead, Read};
+use std::io::{self, BufRead, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -102,7 +102,8 @@ pub fn worker_main() -> ExitCode {
     match serve() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("mesh-worker: {error}");
+            // `eprintln` would panic where the log cannot take it: on a full disk.
+            let _ = writeln!(io::stderr(), "mesh-worker: {error}");
             ExitCode::FAILURE
         }
     }
@@ -121,7 +122,10 @@ fn serve() -> io::Result<()> {
     let outcome = mesh(&request);
     let bytes = postcard::to_stdvec(&outcome).map_err(io::Error::other)?;
     let unfinished = request.outcome.with_extension("part");
-    std::fs::write(&unfinished, bytes)?;
+    std::fs::write(&unfinished, bytes).map_err(|error| {
+        let text = format!("cannot write {}: {error}", unfinished.display());
+        io::Error::new(error.kind(), text)
+    })?;
     std::fs::rename(&unfinished, &request.outcome)
 }
 

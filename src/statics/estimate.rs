@@ -114,3 +114,27 @@ impl Estimate {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_both_numbers() {
+        let estimate = Estimate {
+            dofs: 7,
+            method: Method::Direct,
+            factor_entries: 0,
+            flops: 0.0,
+            bytes: 400_000_000_000,
+            time: Duration::ZERO,
+        };
+        for enough in [None, Some(400_000_000_000)] {
+            assert!(estimate.fits(enough).is_ok());
+        }
+        let error = estimate.fits(Some(24_000_000_000)).expect_err("too little");
+        let text = error.to_string();
+        assert!(text.contains("7 equations needs 400.0 GB"), "{text}");
+        assert!(text.contains("the machine has 24.0"), "{text}");
+    }
+}

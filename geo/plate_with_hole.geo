@@ -10,15 +10,15 @@
 //   +---------------+
 //   -side/2         side/2
 //
-// The hole's centre is the origin. With side = 30 hole the plate is as good as endless: what its size adds
-// to the displacement at the hole's edge is under 1 %.
+// The hole's centre is the origin. With side = 80 hole the plate is as good as endless: what its size adds
+// to the displacement at the hole's edge is 0.1 %.
 
 DefineConstant[
   hole    = {10,  Min 1, Name "Geometry/Radius of the hole [mm]"},
   ring    = {30,  Name "Geometry/Outer radius of the ring [mm]"},
-  side    = {400, Name "Geometry/Side of the plate [mm]"},
+  side    = {800, Name "Geometry/Side of the plate [mm]"},
   fine    = {4,   Name "Mesh/Element size at the ring [mm]"},
-  element = {25,  Name "Mesh/Element size far away [mm]"},
+  element = {50,  Name "Mesh/Element size far away [mm]"},
   order   = {2,   Name "Mesh/Order", Choices{1, 2}}
 ];
 

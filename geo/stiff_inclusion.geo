@@ -12,9 +12,9 @@
 DefineConstant[
   radius  = {10,  Min 1, Name "Geometry/Radius of the inclusion [mm]"},
   ring    = {25,  Name "Geometry/Outer radius of the ring [mm]"},
-  side    = {400, Name "Geometry/Side of the plate [mm]"},
+  side    = {800, Name "Geometry/Side of the plate [mm]"},
   fine    = {2.5, Name "Mesh/Element size at the inclusion [mm]"},
-  element = {25,  Name "Mesh/Element size far away [mm]"},
+  element = {50,  Name "Mesh/Element size far away [mm]"},
   order   = {2,   Name "Mesh/Order", Choices{1, 2}}
 ];
 

@@ -7,8 +7,8 @@ mod workplace;
 use peristitch::fields::points::PointFields;
 use peristitch::gmsh::Extract;
 use peristitch::model::Model;
+use peristitch::pipeline::fracture::Frame;
 use peristitch::pipeline::plan::Plan;
-use peristitch::pipeline::solved::Solved;
 use peristitch::pipeline::validate::discretise;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -97,16 +97,14 @@ impl Run {
         discretise(&plan, mesh.expect("a mesh")).expect("a model").0
     }
 
-    /// The last state.
-    fn solved(&self) -> Solved {
-        postcard::from_bytes(&self.read("solution.bin")).expect("a state")
-    }
-
-    /// Stress [Pa] (xx, yy, zz, xy) at the material point nearest to a place.
+    /// Stress [Pa] (xx, yy, zz, xy) at the material point nearest to a place, of a run without fracture.
     fn stress(&self, [x, y]: [f64; 2]) -> [f64; 4] {
         let model = self.model();
-        let solved = self.solved();
-        let fields = PointFields::new(&model, &solved.solution.displacement, &solved.intact);
+        // The displacements come first in the file.
+        let file = self.read("solution.bin");
+        let (displacement, _): (Vec<[f64; 2]>, &[u8]) =
+            postcard::take_from_bytes(&file).expect("displacements");
+        let fields = PointFields::new(&model, &displacement, &model.intact);
         let points = &model.positions[model.fe_node_count()..];
         let distance = |point: &[f64; 2]| (point[0] - x).hypot(point[1] - y);
         let nearest = (0..points.len())
@@ -117,9 +115,10 @@ impl Run {
     /// Middles of the bonds between nearest neighbours that the load has broken [m]: they lie along the crack.
     fn path(&self) -> Vec<[f64; 2]> {
         let model = self.model();
-        let intact = self.solved().intact;
+        let last = format!("frames/{:06}.bin", self.history().len());
+        let frame: Frame = postcard::from_bytes(&self.read(&last)).expect("a frame");
         let springs = model.springs.pairs().iter();
-        let state = model.intact.iter().zip(&intact);
+        let state = model.intact.iter().zip(&frame.intact);
         let broken = springs.zip(state).filter(|(_, (was, is))| **was && !**is);
         let ends = broken.map(|(ends, _)| ends.map(|node| model.positions[node as usize]));
         let bonds: Vec<[[f64; 2]; 2]> = ends.collect();
@@ -158,15 +157,19 @@ fn plate_with_a_hole() {
     const PULL: f64 = 10e6;
     let run = Run::new("plate_with_hole", &[]);
     let unit = PULL * 0.01 / 100e9;
-    // 0.2 % are the lattice's: a point stands for the edge, and its family is cut off there.
-    assert_near("edge", run.probe("edge") / (3.0 * unit), 0.9978, 5e-4);
-    assert_near("crown", run.probe("crown") / -unit, 1.0004, 5e-4);
-    // The point on the edge averages over its family, a horizon of 0.3 radii: 2.74 for 3.
-    assert_near("peak", run.stress([0.0, 0.01])[0] / PULL, 2.74, 0.05);
-    // One and a half horizons from the edge: (1 + a²/2r² + 3a⁴/2r⁴) S.
-    let x = 10.0 / 15.0;
-    let kirsch = 1.0 + 0.5 * x * x + 1.5 * f64::powi(x, 4);
-    assert_near("ligament", run.stress([0.0, 0.015])[0] / (PULL * kirsch), 1.0, 0.01);
+    // A point stands for the edge, and its family is cut off there; twice as much at twice the spacing.
+    assert_near("edge", run.probe("edge") / (3.0 * unit), 0.9958, 5e-4);
+    assert_near("crown", run.probe("crown") / -unit, 1.0014, 5e-4);
+    // The point on the edge averages over its family, a horizon of 0.15 radii: 2.81 for 3.
+    assert_near("peak", run.stress([0.0, 0.01])[0] / PULL, 2.814, 0.01);
+    // From a spacing off the edge on, (1 + a²/2r² + 3a⁴/2r⁴) S.
+    for step in 1..=20 {
+        let r = 0.01 + f64::from(step) * 0.5e-3;
+        let x = 0.01 / r;
+        let kirsch = 1.0 + 0.5 * x * x + 1.5 * f64::powi(x, 4);
+        let found = run.stress([0.0, r])[0] / (PULL * kirsch);
+        assert_near("ligament", found, 1.0, 0.01);
+    }
 }
 
 /// Goodier (1933): uniform strain in the inclusion, from the mean stress p and the deviator s there,
@@ -182,10 +185,8 @@ fn stiff_inclusion() {
     let (x, y) = (mean + deviator, mean - deviator);
     let strains = [(x - poisson * y) / ratio, (y - poisson * x) / ratio];
     let found = ["side", "crown"].map(|probe| run.probe(probe) / 0.01 / (PULL / 10e9));
-    // The elements alone are off by as much: what is left is the plate's size, (10/200)² = 0.25 %, and the
-    // lattice's.
     for (found, exact) in found.iter().zip(strains) {
-        assert_near("strain", found / exact, 1.0, 4e-3);
+        assert_near("strain", found / exact, 1.0, 1e-3);
     }
 }
 
@@ -195,7 +196,7 @@ fn stiff_inclusion() {
 fn three_point_bending() {
     const YOUNG: f64 = 3e9;
     const RATE: f64 = 333.0;
-    let (thickness, width, span) = (0.01, 0.05, 0.2);
+    let (thickness, width, span): (f64, f64, f64) = (0.01, 0.05, 0.2);
     let stiffness = |crack: &str| {
         let crack = format!("geometry.parameters.crack={crack}");
         Run::new("three_point_bending", &[&crack, "loading.steps=1"]).stiffness()
@@ -221,9 +222,8 @@ fn brazilian_disc() {
     let run = Run::new("brazilian_disc", &[]);
     let arc = 5.0 * PI / 180.0;
     let stress = run.stress([0.0, 0.0]);
-    let exact = [1.0, -1.0].map(|sign: f64| {
-        2.0 * PRESSURE / PI * (sign * f64::sin(2.0 * arc) - arc)
-    });
+    let exact =
+        [1.0, -1.0].map(|sign: f64| 2.0 * PRESSURE / PI * (sign * f64::sin(2.0 * arc) - arc));
     for (found, exact) in stress.iter().zip(exact) {
         assert_near("centre", found / exact, 1.0, 2e-3);
     }
@@ -246,11 +246,13 @@ fn cracked_disc() {
     let rate = -0.5 * (stiffness("15.5") - stiffness("14.5")) / 1e-3 / (2.0 * thickness);
     let unit = half.sqrt() / (PI.sqrt() * radius * thickness);
     let number = (YOUNG * rate).sqrt() / (0.5 * run.stiffness() * unit);
-    assert_near("N_I", number, 1.16, 0.02);
+    // 2.6 % above: two tips, each longer in effect by some share of the horizon, a/6 here.
+    assert_near("N_I", number, 1.166, 0.003);
     let griffith = (YOUNG * RATE).sqrt() / (NUMBER * unit);
     assert_near("peak", run.peak() / griffith, 1.05, 0.01);
     // Along the load, to the spacing.
-    let off = run.path().iter().map(|middle| middle[0].abs());
+    let path = run.path();
+    let off = path.iter().map(|middle| middle[0].abs());
     assert!(off.fold(0.0, f64::max) < 0.5e-3);
 }
 
@@ -309,13 +311,7 @@ fn l_panel() {
 
 /// Path of a crack past a hole by linear elastic fracture mechanics, x and y [mm]: tests/python/crack_path.py.
 /// Without the hole it is y = 0.
-const HOLE_PATH: [[f64; 2]; 5] = [
-    [40.0, -0.07],
-    [50.0, 0.72],
-    [60.0, 3.00],
-    [70.0, 5.02],
-    [80.0, 4.65],
-];
+const HOLE_PATH: [[f64; 2]; 4] = [[40.0, -0.07], [50.0, 0.72], [60.0, 3.00], [70.0, 5.02]];
 
 #[test]
 fn crack_past_hole() {

@@ -11,7 +11,7 @@
 //   -side/2         side/2
 //
 // The hole's centre is the origin. With side = 80 hole the plate is as good as endless: what its size adds
-// to the displacement at the hole's edge is 0.1 %.
+// to the displacement at the hole's edge is 0.2 %.
 
 DefineConstant[
   hole    = {10,  Min 1, Name "Geometry/Radius of the hole [mm]"},

@@ -14,6 +14,5 @@ mod gone;
 pub mod programme;
 pub mod response;
 pub mod state;
-mod touched;
 mod update;
 mod zone;

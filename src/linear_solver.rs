@@ -5,6 +5,7 @@
 pub mod cholesky;
 pub mod compliance;
 mod elimination_tree;
+pub mod held;
 mod kernels;
 pub mod lu;
 mod metis;
@@ -17,6 +18,8 @@ mod triangular;
 pub mod two_level;
 
 use crate::assembly::Lists;
+use crate::assembly::stiffness::Stiffness;
+use held::Held;
 use thiserror::Error;
 
 #[derive(Debug, Error)]
@@ -92,6 +95,27 @@ impl Factor {
             Factor::TwoLevel(solver) => {
                 solver.solve_in_place(rhs, goal);
             }
+        }
+    }
+
+    /// Whether [`Factor::refactorise`] can follow a change of K between these nodes.
+    pub fn reaches(&self, nodes: &[u32]) -> bool {
+        match self {
+            Factor::Cholesky(factor) => factor.reaches(nodes),
+            Factor::Lu(factor) => factor.reaches(nodes),
+            Factor::TwoLevel(_) => false,
+        }
+    }
+
+    /// The factors of a K that differs between some nodes only, which it [`Factor::reaches`]. False where K
+    /// is singular, or pivots too small: then these are no factors any more.
+    pub fn refactorise(&mut self, stiffness: &Stiffness, held: Held, nodes: &[u32]) -> bool {
+        match (self, stiffness) {
+            (Factor::Cholesky(factor), Stiffness::Symmetric(lower)) => {
+                factor.refactorise(lower, held, nodes).is_ok()
+            }
+            (Factor::Lu(factor), Stiffness::Full(full)) => factor.refactorise(full, held, nodes),
+            _ => false,
         }
     }
 

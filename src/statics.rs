@@ -6,11 +6,11 @@ mod structure;
 use crate::assembly::stiffness::Stiffness;
 use crate::boundary::Boundary;
 use crate::linear_solver::compliance::UnitLoads;
+use crate::linear_solver::held::Held;
 use crate::linear_solver::{Factor, SolverError};
 use crate::model::Model;
 use crate::phases::Phases;
 use crate::support::{self, NotHeld};
-use faer::Mat;
 use std::collections::{BTreeMap, BTreeSet};
 use structure::Structure;
 use thiserror::Error;
@@ -119,6 +119,9 @@ fn residual_goal(method: Method) -> f64 {
 
 const MOST_REFINEMENTS: usize = 3;
 
+/// Of [`Solver::zone`], measured (docs/performance.md).
+const ZONE: f64 = 170.0;
+
 /// Assembles and solves once, initial cracks open.
 ///
 /// # Errors
@@ -155,6 +158,8 @@ pub struct Solver<'a> {
     model: &'a Model,
     boundary: &'a Boundary,
     structure: Structure,
+    /// What stands on the diagonal of held dofs: the same while bonds break [N/m].
+    diagonal: f64,
 }
 
 impl<'a> Solver<'a> {
@@ -180,10 +185,19 @@ impl<'a> Solver<'a> {
     ) -> Result<Solver<'a>, StaticsError> {
         let structure = Structure::new(model, method, phases)?;
         Ok(Solver {
+            diagonal: structure.mean_diagonal(&model.springs, boundary.load.len()),
             model,
             boundary,
             structure,
         })
+    }
+
+    pub fn is_direct(&self) -> bool {
+        self.structure.method() == Method::Direct
+    }
+
+    pub fn is_symmetric(&self) -> bool {
+        matches!(self.structure, Structure::Symmetric { .. })
     }
 
     pub fn size(&self) -> SystemSize {
@@ -207,9 +221,9 @@ impl<'a> Solver<'a> {
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
         let system = self.system(intact, pinned, &BTreeSet::new(), phases);
-        let factor = self.factorise(&system, phases);
+        let factor = self.factorise(&system, &[], phases);
         let factor = factor.map_err(|error| self.locate(error))?;
-        self.finish(&system, &system.case(self.boundary), &factor, None, phases)
+        self.finish(&system, &system.case(self.boundary), &factor, None, None, phases)
     }
 
     /// The same for a body in which bonds break, under each of `cases`, which prescribe displacements
@@ -229,12 +243,13 @@ impl<'a> Solver<'a> {
         mechanisms: &mut BTreeSet<usize>,
         phases: &mut Phases,
     ) -> Result<Vec<Solution>, StaticsError> {
-        let factorised = self.factorise_broken(intact, pinned, mechanisms, phases)?;
+        let factorised = self.factorise_broken(intact, pinned, mechanisms, &[], phases)?;
         let solve = |case: &&Boundary| self.solve_with(&factorised, case, None, mechanisms, phases);
         cases.iter().map(solve).collect()
     }
 
-    /// What [`Solver::solve_broken`] solves with.
+    /// What [`Solver::solve_broken`] solves with. `last`: nodes between which bonds may break before the next
+    /// factorisation ([`Solver::refactorise`]).
     ///
     /// # Errors
     /// See [`StaticsError`].
@@ -243,11 +258,13 @@ impl<'a> Solver<'a> {
         intact: &[bool],
         pinned: &[Vec<usize>],
         mechanisms: &mut BTreeSet<usize>,
+        last: &[u32],
         phases: &mut Phases,
     ) -> Result<Factorised, StaticsError> {
+        let mut last = last;
         loop {
             let system = self.system(intact, pinned, mechanisms, phases);
-            match self.factorise(&system, phases) {
+            match self.factorise(&system, last, phases) {
                 Ok(factor) => {
                     return Ok(Factorised {
                         system,
@@ -256,12 +273,56 @@ impl<'a> Solver<'a> {
                         flops: self.structure.flops(),
                     });
                 }
+                // The order of elimination decides which dof of a mechanism is held.
+                Err(SolverError::NotPositiveDefinite { .. } | SolverError::Singular { .. })
+                    if !last.is_empty() =>
+                {
+                    last = &[];
+                }
                 // The set grows with every turn, so that the loop ends.
                 Err(SolverError::NotPositiveDefinite { dof } | SolverError::Singular { dof })
                     if mechanisms.insert(dof) => {}
                 Err(error) => return Err(self.locate(error)),
             }
         }
+    }
+
+    /// Brings a factorisation up to springs that have gone, of those that are `intact` now, and to parts
+    /// that are pinned since. False if it does not reach that far, or if what is left is a mechanism: then
+    /// it is of no use any more.
+    pub fn refactorise(
+        &self,
+        factorised: &mut Factorised,
+        gone: &[u32],
+        intact: &[bool],
+        pinned: &[Vec<usize>],
+        phases: &mut Phases,
+    ) -> bool {
+        let Model {
+            springs, positions, ..
+        } = self.model;
+        let Some([nodes, changed]) = factorised.reach(self.model, gone, pinned) else {
+            return false;
+        };
+        let system = &mut factorised.system;
+        phases.measure("assembly", || {
+            let stiffness = &mut system.stiffness;
+            (self.structure).reassemble(stiffness, &nodes, (positions, springs), intact);
+        });
+        system.pin(pinned);
+        let held = Held {
+            dofs: &system.is_held,
+            diagonal: self.diagonal,
+        };
+        let (factor, stiffness) = (&mut factorised.factor, &system.stiffness);
+        phases.measure("refactorisation", || factor.refactorise(stiffness, held, &changed))
+    }
+
+    /// How many nodes to eliminate last: those between which bonds break cost the cube of their number
+    /// at each change, and the more they are, the fewer whole factorisations there are.
+    pub fn zone(&self) -> usize {
+        let dofs = (ZONE * self.structure.flops()).powf(0.25);
+        (0.5 * dofs) as usize
     }
 
     /// Solves a case, which prescribes displacements on the same dofs. `guess`: displacements that may be
@@ -278,8 +339,21 @@ impl<'a> Solver<'a> {
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
         let Factorised { system, factor, .. } = factorised;
-        let solution = self.finish(system, &system.case(case), factor, guess, phases);
+        let solution = self.finish(system, &system.case(case), factor, guess, None, phases);
         solution.map_err(|error| self.swings(error, mechanisms))
+    }
+
+    /// The same without refinement, if it leaves a residual of no more than `drift`.
+    pub fn solve_once(
+        &self,
+        factorised: &Factorised,
+        case: &Boundary,
+        drift: f64,
+        phases: &mut Phases,
+    ) -> Option<Solution> {
+        let Factorised { system, factor, .. } = factorised;
+        let solution = self.finish(system, &system.case(case), factor, None, Some(drift), phases);
+        solution.ok().filter(|solution| solution.residual <= drift)
     }
 
     /// A residual where dofs are held that nothing but a mechanism lets go.
@@ -309,6 +383,7 @@ impl<'a> Solver<'a> {
             model,
             boundary,
             structure,
+            ..
         } = self;
         let stiffness = phases.measure("assembly", || {
             structure.assemble(&model.positions, &model.springs, intact)
@@ -316,13 +391,18 @@ impl<'a> Solver<'a> {
         System::new(stiffness, boundary, pinned, mechanisms)
     }
 
-    fn factorise(&self, system: &System, phases: &mut Phases) -> Result<Factor, SolverError> {
-        let System {
-            stiffness, is_held, ..
-        } = system;
+    fn factorise(
+        &self,
+        system: &System,
+        last: &[u32],
+        phases: &mut Phases,
+    ) -> Result<Factor, SolverError> {
+        let held = Held {
+            dofs: &system.is_held,
+            diagonal: self.diagonal,
+        };
         let positions = &self.model.positions;
-        self.structure
-            .factorise(positions, stiffness, is_held, phases)
+        (self.structure).factorise(positions, &system.stiffness, held, last, phases)
     }
 
     fn finish(
@@ -331,10 +411,12 @@ impl<'a> Solver<'a> {
         case: &Case,
         factor: &Factor,
         guess: Option<&[[f64; 2]]>,
+        goal: Option<f64>,
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
+        let goal = goal.unwrap_or_else(|| residual_goal(factor.method()));
         let (displacement, residual) =
-            phases.measure("solution", || system.solve(case, factor, guess));
+            phases.measure("solution", || system.solve(case, factor, guess, goal));
         let mut size = self.size();
         if let Factor::TwoLevel(solver) = factor {
             size.factor_entries = solver.coarse_entries();
@@ -418,40 +500,31 @@ impl Factorised {
         self.system.is_held[dof]
     }
 
+    /// Whether [`Solver::refactorise`] can follow this.
+    pub fn reaches(&self, model: &Model, gone: &[u32], pinned: &[Vec<usize>]) -> bool {
+        self.reach(model, gone, pinned).is_some()
+    }
+
+    /// Nodes of springs that have gone, and these with nodes that are pinned since: where K changes.
+    fn reach(&self, model: &Model, gone: &[u32], pinned: &[Vec<usize>]) -> Option<[Vec<u32>; 2]> {
+        let of_spring = |&spring: &u32| model.springs.nodes(spring as usize);
+        let mut nodes: Vec<u32> = gone.iter().flat_map(of_spring).copied().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        // Nothing but springs that are gone held to the rest what has come off.
+        let mut changed = nodes.clone();
+        let is_free = |&&node: &&usize| [0, 1].iter().any(|axis| !self.is_held(2 * node + axis));
+        let new = pinned.iter().flatten().filter(is_free);
+        changed.extend(new.map(|&node| node as u32));
+        self.factor.reaches(&changed).then_some([nodes, changed])
+    }
+
     /// L⁻¹ E of these dofs, nothing for held ones; from Cholesky's factor only.
     pub fn unit_loads(&self, dofs: &[usize]) -> Option<UnitLoads> {
         let Factor::Cholesky(factor) = &self.factor else {
             return None;
         };
         Some(factor.unit_loads(dofs, |dof| !self.is_held(dof)))
-    }
-
-    /// The place of a dof in the order of elimination, of Cholesky's factor.
-    pub fn elimination(&self, dof: usize) -> Option<usize> {
-        match &self.factor {
-            Factor::Cholesky(factor) => Some(factor.column(dof)),
-            Factor::Lu(_) | Factor::TwoLevel(_) => None,
-        }
-    }
-
-    /// K⁻¹ at `rows` for unit forces at `columns`, each of them among `rows` [m/N], without motion at held
-    /// dofs; from Cholesky's factor only.
-    pub fn compliance_between(&self, rows: &[usize], columns: &[usize]) -> Option<Mat<f64>> {
-        let Factor::Cholesky(factor) = &self.factor else {
-            return None;
-        };
-        let mut inverse = factor.inverse_between(rows, columns);
-        for (k, _) in rows.iter().enumerate().filter(|(_, d)| self.is_held(**d)) {
-            inverse.row_mut(k).fill(0.0);
-        }
-        for (k, _) in columns
-            .iter()
-            .enumerate()
-            .filter(|(_, d)| self.is_held(**d))
-        {
-            inverse.col_mut(k).fill(0.0);
-        }
-        Some(inverse)
     }
 
     /// Overwrites forces [N] by the displacements [m] that they add, dof by dof, case after case.
@@ -582,18 +655,23 @@ impl System {
         pinned: &[Vec<usize>],
         mechanisms: &BTreeSet<usize>,
     ) -> System {
-        let nodes = pinned.iter().flatten();
-        let pinned: Vec<usize> = nodes.flat_map(|&n| [2 * n, 2 * n + 1]).collect();
-        let mut is_held = vec![false; stiffness.dofs()];
-        let supports = boundary.prescribed.keys();
-        for &dof in supports.chain(&pinned).chain(mechanisms) {
-            is_held[dof] = true;
-        }
-        System {
+        let mut system = System {
+            is_held: vec![false; stiffness.dofs()],
             stiffness,
-            is_held,
-            pinned,
+            pinned: Vec::new(),
+        };
+        for &dof in boundary.prescribed.keys().chain(mechanisms) {
+            system.is_held[dof] = true;
         }
+        system.pin(pinned);
+        system
+    }
+
+    /// Holds the nodes of parts, which only grow.
+    fn pin(&mut self, parts: &[Vec<usize>]) {
+        let nodes = parts.iter().flatten();
+        self.pinned = nodes.flat_map(|&n| [2 * n, 2 * n + 1]).collect();
+        self.pinned.iter().for_each(|&dof| self.is_held[dof] = true);
     }
 
     fn case<'a>(&self, boundary: &'a Boundary) -> Case<'a> {
@@ -617,7 +695,13 @@ impl System {
     }
 
     /// The displacements, dof by dof [m], and the relative residual.
-    fn solve(&self, case: &Case, factor: &Factor, guess: Option<&[[f64; 2]]>) -> (Vec<f64>, f64) {
+    fn solve(
+        &self,
+        case: &Case,
+        factor: &Factor,
+        guess: Option<&[[f64; 2]]>,
+        goal: f64,
+    ) -> (Vec<f64>, f64) {
         let mut u: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
         let mut residual = self.residual(case, &u);
         let scale = norm(&residual);
@@ -630,7 +714,6 @@ impl System {
             free.for_each(|((u, guess), _)| *u = *guess);
             residual = self.residual(case, &u);
         }
-        let goal = residual_goal(factor.method());
         let mut relative = norm(&residual) / scale;
         for turn in 0..=MOST_REFINEMENTS {
             if relative < goal {

@@ -5,8 +5,6 @@
 //! nearby, it is a disc.
 
 use super::control::Problem;
-use super::event::Load;
-use super::response::Solutions;
 use rayon::prelude::*;
 
 /// Nodes with a bond at this share of its limit belong to a zone.
@@ -28,22 +26,18 @@ struct Tip {
     way: Option<[f64; 2]>,
 }
 
-/// At most `count` nodes, ascending. `load` breaks the next bond.
+/// At most `count` nodes, ascending. `utilisation`: the stretch of a bond over its limit.
 pub fn nodes(
     problem: &Problem,
     intact: &[bool],
-    solutions: &Solutions,
-    load: Load,
+    utilisation: impl Fn(usize) -> f64 + Sync,
     count: usize,
 ) -> Vec<usize> {
     let model = problem.model;
     let strained: Vec<(usize, f64)> = (0..model.springs.len())
         .into_par_iter()
         .filter(|&s| intact[s])
-        .map(|s| {
-            let stretch = load.combine(solutions.rough_stretches(problem, s));
-            (s, problem.limits.of(s).utilisation(stretch))
-        })
+        .map(|s| (s, utilisation(s)))
         .filter(|&(_, utilisation)| utilisation > STRAINED)
         .collect();
     let length = |&(s, _): &(usize, f64)| model.springs.length(s, &model.positions);

@@ -19,7 +19,7 @@ use super::control::{Control, Problem, Resolution, TIE};
 use super::event::{Bounds, Event, Load, is_at_limit};
 use super::functional::Values;
 use super::state::State;
-use super::update::Update;
+use super::update::{self, Update};
 use crate::boundary::Boundary;
 use crate::model::Model;
 use crate::phases::Phases;
@@ -112,10 +112,12 @@ impl Response {
         state: &mut State,
         phases: &mut Phases,
     ) -> Result<Response, StaticsError> {
+        let zone = phases.measure("zone", || update::zone(problem, solver, state));
         let factorised = solver.factorise_broken(
             &state.intact,
             &state.fragments,
             &mut state.mechanisms,
+            &zone,
             phases,
         )?;
         let solved = solve(solver, problem, state, &factorised, phases)?;
@@ -140,12 +142,7 @@ impl Response {
             response.ahead = look_ahead(problem, state, factorised, solved, values, load);
             phases.note("active zone", start);
         } else {
-            response.update = Some(Update::new(
-                problem,
-                factorised,
-                response.solved.clone(),
-                state,
-            ));
+            response.update = Some(Update::new(factorised, state));
         }
         Ok(response)
     }
@@ -166,7 +163,7 @@ impl Response {
             return Ok(());
         }
         if let Some(update) = &mut self.update
-            && let Some(solved) = update.renew(problem, state, &self.near, phases)
+            && let Some(solved) = update.renew(solver, problem, state, phases)
         {
             self.carries = None;
             self.values = solved.values(problem);
@@ -186,10 +183,10 @@ impl Response {
     }
 
     /// Whether a run that begins with `state`, and so with a factorisation, goes on with the same bits.
-    pub fn is_reproducible(&self, state: &State) -> bool {
+    pub fn is_reproducible(&self, problem: &Problem, state: &State) -> bool {
         match (&self.ahead, &self.update) {
             (Some(_), _) => !self.foresees_next(),
-            (None, Some(update)) => update.is_reproducible(state),
+            (None, Some(update)) => update.is_reproducible(problem, state),
             (None, None) => true,
         }
     }

@@ -5,7 +5,8 @@
 //! ```
 
 use super::SolverError;
-use super::multifrontal::{self, Child, Front, NotPositive, Pool, parallelism};
+use super::held::{Held, HeldColumns};
+use super::multifrontal::{self, Child, Front, Kept, NotPositive, Pool, parallelism};
 use super::ordering::{Ordering, elimination_order};
 use super::supernodes::Supernodes;
 use super::triangular::{self, Factors};
@@ -27,6 +28,8 @@ const LEAST_PIVOT: f64 = 1e-13;
 #[derive(Clone, Debug)]
 pub struct Symbolic {
     structure: Arc<Supernodes>,
+    /// Supernodes that may be factorised anew.
+    again: Arc<[usize]>,
     spare: Spare,
     pool: Arc<Pool>,
 }
@@ -52,10 +55,36 @@ impl Symbolic {
 
     /// `order`: the nodes as they are eliminated.
     pub fn with_order(pattern: SymbolicSparseColMatRef<'_, u32>, order: &[u32]) -> Symbolic {
+        Symbolic::with_last(pattern, order, &[])
+    }
+
+    /// The same with some of the nodes eliminated last: where K changes between them alone, little of L is
+    /// to be factorised anew.
+    pub fn with_last(
+        pattern: SymbolicSparseColMatRef<'_, u32>,
+        order: &[u32],
+        last: &[u32],
+    ) -> Symbolic {
+        let structure = Supernodes::with_last(pattern, order, last);
         Symbolic {
-            structure: Arc::new(Supernodes::new(pattern, order)),
+            again: structure.above(last).into(),
+            structure: Arc::new(structure),
             spare: Spare::default(),
             pool: Arc::default(),
+        }
+    }
+
+    /// [`Symbolic::with_last`] with the memory of this one.
+    pub fn again_with_last(
+        &self,
+        pattern: SymbolicSparseColMatRef<'_, u32>,
+        order: &[u32],
+        last: &[u32],
+    ) -> Symbolic {
+        Symbolic {
+            spare: self.spare.clone(),
+            pool: self.pool.clone(),
+            ..Symbolic::with_last(pattern, order, last)
         }
     }
 
@@ -80,33 +109,52 @@ impl Symbolic {
     /// # Errors
     /// [`SolverError::NotPositiveDefinite`], [`SolverError::OutOfMemory`].
     pub fn factorise(&self, matrix: &LowerMatrix) -> Result<Factor, SolverError> {
-        let spare = self
-            .spare
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .take();
-        let mut values = match spare {
-            Some(values) => values,
-            None => {
-                super::zeros(self.factor_entries()).ok_or_else(|| SolverError::OutOfMemory {
-                    dofs: matrix.ncols(),
-                })?
-            }
-        };
+        self.factorise_held(matrix, Held::NONE)
+    }
+
+    /// The same of the matrix with some dofs held.
+    ///
+    /// # Errors
+    /// As [`Symbolic::factorise`].
+    pub fn factorise_held(&self, matrix: &LowerMatrix, held: Held) -> Result<Factor, SolverError> {
+        let mut values = self.room().ok_or_else(|| SolverError::OutOfMemory {
+            dofs: matrix.ncols(),
+        })?;
+        let structure = &self.structure;
         let fronts = Fronts {
-            structure: &self.structure,
+            structure,
             matrix: matrix.val(),
+            held: held.columns(structure),
         };
-        multifrontal::factorise(&self.structure, &fronts, &mut values, &self.pool).map_err(
-            |NotPositive(column)| SolverError::NotPositiveDefinite {
-                dof: self.structure.dof(column),
-            },
-        )?;
+        let kept =
+            multifrontal::factorise(structure, &fronts, &mut values, &self.pool, &self.again);
         Ok(Factor {
-            structure: self.structure.clone(),
+            kept: kept.map_err(|pivot| not_positive(structure, pivot))?,
+            structure: structure.clone(),
             values,
             spare: self.spare.clone(),
         })
+    }
+}
+
+impl Symbolic {
+    /// Room for L, whatever is in it.
+    fn room(&self) -> Option<Vec<f64>> {
+        let count = self.factor_entries();
+        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        match spare.take() {
+            Some(mut values) if values.capacity() >= count => {
+                values.resize(count, 0.0);
+                Some(values)
+            }
+            _ => super::zeros(count),
+        }
+    }
+}
+
+fn not_positive(structure: &Supernodes, NotPositive(column): NotPositive) -> SolverError {
+    SolverError::NotPositiveDefinite {
+        dof: structure.dof(column),
     }
 }
 
@@ -115,6 +163,7 @@ impl Symbolic {
 pub struct Factor {
     structure: Arc<Supernodes>,
     values: Vec<f64>,
+    kept: Kept,
     spare: Spare,
 }
 
@@ -132,6 +181,35 @@ impl Factor {
 
     pub(super) fn supernodes(&self) -> &Supernodes {
         &self.structure
+    }
+
+    /// Whether [`Factor::refactorise`] can follow a change of K between these nodes.
+    pub fn reaches(&self, nodes: &[u32]) -> bool {
+        self.kept.reaches(&self.structure.above(nodes))
+    }
+
+    /// L of a matrix that differs between some nodes only, which it [`Factor::reaches`]: the same bits as
+    /// of a whole factorisation.
+    ///
+    /// # Errors
+    /// [`SolverError::NotPositiveDefinite`]: this is no factor any more, until it follows a change of at least the
+    /// same nodes.
+    pub fn refactorise(
+        &mut self,
+        matrix: &LowerMatrix,
+        held: Held,
+        nodes: &[u32],
+    ) -> Result<(), SolverError> {
+        let structure = &self.structure;
+        let fronts = Fronts {
+            structure,
+            matrix: matrix.val(),
+            held: held.columns(structure),
+        };
+        let changed = structure.above(nodes);
+        let (values, kept) = (&mut self.values, &mut self.kept);
+        multifrontal::refactorise(structure, &fronts, values, kept, &changed)
+            .map_err(|pivot| not_positive(structure, pivot))
     }
 
     /// The column of L that eliminates a dof.
@@ -155,6 +233,7 @@ struct Fronts<'a> {
     structure: &'a Supernodes,
     /// Entries of K.
     matrix: &'a [f64],
+    held: HeldColumns,
 }
 
 impl Front for Fronts<'_> {
@@ -235,14 +314,18 @@ impl Fronts<'_> {
         let own = sources
             .iter()
             .find(|source| source.row as usize == column - column % 2);
-        own.map_or(0.0, |own| self.matrix[own.columns[column % 2] as usize])
+        match own {
+            _ if self.held.holds(first + column % 2) => self.held.diagonal,
+            Some(own) => self.matrix[own.columns[column % 2] as usize],
+            None => 0.0,
+        }
     }
 
     /// K's entries in the columns of a supernode.
     fn add_matrix(&self, s: usize, block: &mut [f64]) {
         let columns = self.structure.columns(s);
         let height = columns.len() + self.structure.rows(s).len();
-        for (first, pair) in columns.step_by(2).zip((0..).step_by(2)) {
+        for (first, pair) in columns.clone().step_by(2).zip((0..).step_by(2)) {
             let (left, right) = block[pair * height..(pair + 2) * height].split_at_mut(height);
             for source in self.structure.sources(first) {
                 let row = source.row as usize;
@@ -260,6 +343,15 @@ impl Fronts<'_> {
                     left[row..row + 2].copy_from_slice(&self.matrix[a..a + 2]);
                     right[row..row + 2].copy_from_slice(&self.matrix[b..b + 2]);
                 }
+            }
+        }
+        for row in self.held.among(self.structure, s) {
+            let own = columns.len().min(row);
+            (0..own).for_each(|column| block[column * height + row] = 0.0);
+            if row < columns.len() {
+                let column = &mut block[row * height..][..height];
+                column[row..].fill(0.0);
+                column[row] = self.held.diagonal;
             }
         }
     }

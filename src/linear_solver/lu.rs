@@ -12,7 +12,8 @@
 //! tells whether K is singular.
 
 use super::SolverError;
-use super::multifrontal::{self, Child, Front, NotPositive, Pool, parallelism};
+use super::held::{Held, HeldColumns};
+use super::multifrontal::{self, Child, Front, Kept, NotPositive, Pool, parallelism};
 use super::partial_pivoting::{self, MOST_GROWTH, norm, random};
 use super::supernodes::Supernodes;
 use super::triangular::{self, Factors, pivoted_start};
@@ -36,6 +37,8 @@ const MOST_LEFT: f64 = 1e-12;
 pub struct Symbolic {
     order: Arc<[u32]>,
     structure: Arc<Supernodes>,
+    /// Supernodes that may be factorised anew.
+    again: Arc<[usize]>,
     places: Arc<Places>,
     pool: Arc<Pool>,
 }
@@ -47,10 +50,22 @@ impl Symbolic {
         lower: SymbolicSparseColMatRef<'_, u32>,
         order: &[u32],
     ) -> Symbolic {
-        let structure = Supernodes::new(lower, order);
+        Symbolic::with_last(pattern, lower, order, &[])
+    }
+
+    /// The same with some of the nodes eliminated last: where K changes between them alone, little is to be
+    /// factorised anew.
+    pub fn with_last(
+        pattern: SymbolicSparseColMatRef<'_, u32>,
+        lower: SymbolicSparseColMatRef<'_, u32>,
+        order: &[u32],
+        last: &[u32],
+    ) -> Symbolic {
+        let structure = Supernodes::with_last(lower, order, last);
         let places = Places::new(&structure, pattern);
         Symbolic {
             order: order.into(),
+            again: structure.above(last).into(),
             structure: Arc::new(structure),
             places: Arc::new(places),
             pool: Arc::default(),
@@ -77,11 +92,19 @@ impl Symbolic {
     /// # Errors
     /// [`SolverError::Singular`], [`SolverError::OutOfMemory`].
     pub fn factorise(&self, matrix: &FullMatrix) -> Result<Factor, SolverError> {
-        let factor = self.numeric(matrix)?;
-        if factor.is_sound(matrix) {
-            return Ok(Factor(Kind::Own(factor)));
+        self.factorise_held(matrix, Held::NONE)
+    }
+
+    /// The same of the matrix with some dofs held.
+    ///
+    /// # Errors
+    /// As [`Symbolic::factorise`].
+    pub fn factorise_held(&self, matrix: &FullMatrix, held: Held) -> Result<Factor, SolverError> {
+        let factor = self.numeric(matrix, held)?;
+        if factor.is_sound(matrix, held) {
+            return Ok(Factor(Kind::Own(Box::new(factor))));
         }
-        self.factorise_with_all_rows(matrix)
+        self.factorise_with_all_rows(&hold(matrix, held))
     }
 
     /// The same with all rows to choose pivots from, on one thread.
@@ -94,7 +117,7 @@ impl Symbolic {
         Ok(Factor(Kind::AllRows(Box::new(factor))))
     }
 
-    fn numeric(&self, matrix: &FullMatrix) -> Result<Own, SolverError> {
+    fn numeric(&self, matrix: &FullMatrix, held: Held) -> Result<Own, SolverError> {
         let structure = &self.structure;
         let out_of_memory = || SolverError::OutOfMemory {
             dofs: matrix.ncols(),
@@ -105,12 +128,15 @@ impl Symbolic {
             structure,
             places: &self.places,
             matrix: matrix.val(),
+            held: held.columns(structure),
         };
         // No pivot is refused: the probe tells what they were worth.
-        let refused = multifrontal::factorise(structure, &fronts, &mut values, &self.pool);
-        refused.expect("fronts of LU refuse no pivot");
+        let kept =
+            multifrontal::factorise(structure, &fronts, &mut values, &self.pool, &self.again);
         Ok(Own {
             structure: structure.clone(),
+            places: self.places.clone(),
+            kept: kept.expect("fronts of LU refuse no pivot"),
             values,
         })
     }
@@ -122,7 +148,7 @@ pub struct Factor(Kind);
 
 #[derive(Clone, Debug)]
 enum Kind {
-    Own(Own),
+    Own(Box<Own>),
     AllRows(Box<partial_pivoting::Factor>),
 }
 
@@ -135,6 +161,27 @@ impl Factor {
         }
     }
 
+    /// Whether [`Factor::refactorise`] can follow a change of K between these nodes.
+    pub fn reaches(&self, nodes: &[u32]) -> bool {
+        match &self.0 {
+            Kind::Own(own) => own.kept.reaches(&own.structure.above(nodes)),
+            Kind::AllRows(_) => false,
+        }
+    }
+
+    /// The factors of a matrix that differs between some nodes only, which it [`Factor::reaches`]: the same
+    /// bits as of a whole factorisation. Whether they are sound; if they are not, this is no factor any
+    /// more.
+    pub fn refactorise(&mut self, matrix: &FullMatrix, held: Held, nodes: &[u32]) -> bool {
+        match &mut self.0 {
+            Kind::Own(own) => {
+                own.refactorise(matrix, held, nodes);
+                own.is_sound(matrix, held)
+            }
+            Kind::AllRows(_) => false,
+        }
+    }
+
     /// Whether pivots were found among each supernode's own rows.
     pub fn kept_to_its_rows(&self) -> bool {
         matches!(self.0, Kind::Own(_))
@@ -144,29 +191,68 @@ impl Factor {
 #[derive(Clone, Debug)]
 struct Own {
     structure: Arc<Supernodes>,
+    places: Arc<Places>,
+    kept: Kept,
     values: Vec<f64>,
 }
 
 impl Own {
+    fn refactorise(&mut self, matrix: &FullMatrix, held: Held, nodes: &[u32]) {
+        let structure = &self.structure;
+        let fronts = Fronts {
+            structure,
+            places: &self.places,
+            matrix: matrix.val(),
+            held: held.columns(structure),
+        };
+        let changed = structure.above(nodes);
+        let (values, kept) = (&mut self.values, &mut self.kept);
+        let refused = multifrontal::refactorise(structure, &fronts, values, kept, &changed);
+        refused.expect("fronts of LU refuse no pivot");
+    }
+
     fn solve_in_place(&self, rhs: &mut [f64]) {
         triangular::solve(&self.structure, Factors::Pivoted(&self.values), rhs, 1);
     }
 
-    fn is_sound(&self, matrix: &FullMatrix) -> bool {
+    fn is_sound(&self, matrix: &FullMatrix, held: Held) -> bool {
         let b = random(matrix.ncols());
         let mut x = b.clone();
         self.solve_in_place(&mut x);
         let mut rest = b.clone();
         for (column, &x) in x.iter().enumerate() {
+            if held.holds(column) {
+                rest[column] -= held.diagonal * x;
+                continue;
+            }
             let rows = matrix.row_idx_of_col_raw(column).iter();
             for (&row, &value) in rows.zip(matrix.val_of_col(column)) {
-                rest[row as usize] -= value * x;
+                if !held.holds(row as usize) {
+                    rest[row as usize] -= value * x;
+                }
             }
         }
         let size = mean_diagonal(matrix) * norm(&x);
         // False for what is not a number.
         size / norm(&b) < MOST_GROWTH && norm(&rest) < MOST_LEFT * size
     }
+}
+
+/// The matrix with some dofs held, on its own pattern.
+fn hold(matrix: &FullMatrix, held: Held) -> FullMatrix {
+    let mut matrix = matrix.clone();
+    let (symbolic, values) = matrix.parts_mut();
+    for column in 0..symbolic.ncols() {
+        let range = symbolic.col_range(column);
+        let rows = symbolic.row_idx_of_col_raw(column);
+        for (&row, value) in rows.iter().zip(&mut values[range]) {
+            if held.holds(column) || held.holds(row as usize) {
+                let is_diagonal = row as usize == column;
+                *value = if is_diagonal { held.diagonal } else { 0.0 };
+            }
+        }
+    }
+    matrix
 }
 
 /// Two rows and two columns of K in a front.
@@ -235,6 +321,7 @@ struct Fronts<'a> {
     places: &'a Places,
     /// Entries of K.
     matrix: &'a [f64],
+    held: HeldColumns,
 }
 
 impl Front for Fronts<'_> {
@@ -321,6 +408,17 @@ impl Fronts<'_> {
                         right[(row + a) * height + column + b] = value;
                     }
                 }
+            }
+        }
+        for place in self.held.among(self.structure, s) {
+            for column in 0..width {
+                left[column * height + place] = 0.0;
+                right[column * height + place] = 0.0;
+            }
+            if place < width {
+                left[place * height..][..height].fill(0.0);
+                right[place * height..][..height].fill(0.0);
+                left[place * height + place] = self.held.diagonal;
             }
         }
     }

@@ -10,12 +10,16 @@
 //! Subtrees of the elimination tree do not need each other: those with work enough are shared out to
 //! the threads, and large blocks near the root are cut. Both follow from the structure alone, and children
 //! are added in their order: the bits do not depend on the number of threads.
+//!
+//! Where K changes in the fronts of a few supernodes, these and those above them are factorised anew, from
+//! the updates of their other children, which are kept ([`Kept`]): the same sums, and so the same bits.
 
 use super::kernels::Added;
 use super::supernodes::Supernodes;
 use faer::Par;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
@@ -60,7 +64,29 @@ pub struct Child<'a> {
     pub update: &'a [f64],
 }
 
-/// Fills the numbers of all supernodes.
+/// What it takes to factorise some supernodes anew.
+#[derive(Clone, Debug, Default)]
+pub struct Kept {
+    /// The supernodes that may be, ascending; with each of them its parent.
+    again: Vec<usize>,
+    /// What their children pass up.
+    updates: BTreeMap<usize, Vec<f64>>,
+}
+
+impl Kept {
+    /// Whether all of some supernodes can be factorised anew.
+    pub fn reaches(&self, supernodes: &[usize]) -> bool {
+        (supernodes.iter()).all(|s| self.again.binary_search(s).is_ok())
+    }
+
+    /// Numbers that are kept.
+    pub fn entries(&self) -> usize {
+        self.updates.values().map(Vec::len).sum()
+    }
+}
+
+/// Fills the numbers of all supernodes; keeps what it takes to factorise those `again`, which are ascending
+/// and hold each one's parent.
 ///
 /// # Errors
 /// [`NotPositive`].
@@ -69,15 +95,53 @@ pub fn factorise(
     front: &impl Front,
     values: &mut [f64],
     pool: &Pool,
-) -> Result<(), NotPositive> {
+    again: &[usize],
+) -> Result<Kept, NotPositive> {
     let roots = structure.roots();
     let numeric = Numeric {
         structure,
         front,
         least: LEAST_WORK.max(SHARE * structure.total_flops()),
         pool,
+        again,
+        kept: Mutex::default(),
     };
-    numeric.subtrees(&roots, values).map(|_| ())
+    let updates = numeric.subtrees(&roots, values)?;
+    updates.into_iter().for_each(|root| pool.give(root.values));
+    let kept = numeric.kept.into_inner();
+    Ok(Kept {
+        again: again.to_vec(),
+        updates: kept.unwrap_or_else(PoisonError::into_inner),
+    })
+}
+
+/// Fills the numbers of some supernodes anew, which [`Kept::reaches`]; ascending, with each of them all
+/// above it.
+///
+/// # Errors
+/// [`NotPositive`]: those from there on have to be filled before the factor is one again.
+pub fn refactorise(
+    structure: &Supernodes,
+    front: &impl Front,
+    values: &mut [f64],
+    kept: &mut Kept,
+    supernodes: &[usize],
+) -> Result<(), NotPositive> {
+    for &s in supernodes {
+        let mut update = kept.updates.remove(&s).unwrap_or_default();
+        update.resize(structure.rows(s).len().pow(2), 0.0);
+        let child = |child: &usize| Child {
+            runs: Runs::new(structure.places(*child), structure.width(s)),
+            update: &kept.updates[child],
+        };
+        let children = structure.children(s);
+        let children: Vec<Child> = children.iter().map(child).collect();
+        let mut memory = MemBuffer::new(front.scratch(structure.width(s)));
+        let own = &mut values[front.start(s)..front.start(s + 1)];
+        front.eliminate(s, own, &children, &mut update, MemStack::new(&mut memory))?;
+        kept.updates.insert(s, update);
+    }
+    Ok(())
 }
 
 /// How many threads a supernode is for.
@@ -95,6 +159,8 @@ struct Numeric<'a, F> {
     /// Work of the smallest subtree that is looked into for more tasks.
     least: f64,
     pool: &'a Pool,
+    again: &'a [usize],
+    kept: Mutex<BTreeMap<usize, Vec<f64>>>,
 }
 
 /// What a supernode passes up.
@@ -229,13 +295,28 @@ impl<F: Front> Numeric<'_, F> {
         let mut memory = MemBuffer::new(self.front.scratch(self.structure.width(s)));
         let memory = MemStack::new(&mut memory);
         (self.front).eliminate(s, block, &updates, &mut update, memory)?;
-        children
-            .into_iter()
-            .for_each(|child| self.pool.give(child.values));
+        for child in children {
+            if self.is_kept(child.supernode) {
+                // Not with the room that it may have beyond its end.
+                self.keep(child.supernode, child.values.as_slice().into());
+            }
+            self.pool.give(child.values);
+        }
         Ok(Update {
             supernode: s,
             values: update,
         })
+    }
+
+    /// Whether what a supernode passes up is needed once more.
+    fn is_kept(&self, s: usize) -> bool {
+        let parent = self.structure.parent(s);
+        parent.is_some_and(|parent| self.again.binary_search(&parent).is_ok())
+    }
+
+    fn keep(&self, s: usize, update: Vec<f64>) {
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.insert(s, update);
     }
 
     /// A subtree, supernode after supernode.
@@ -264,9 +345,13 @@ impl<F: Front> Numeric<'_, F> {
                 children.push(self.child(child, s, &read[begin..end]));
                 end = begin;
             }
+            children.reverse();
             let update = &mut write[top[own]..][..rows * rows];
             let memory = MemStack::new(&mut memory);
             (self.front).eliminate(s, block, &children, update, memory)?;
+            if s != root && self.is_kept(s) {
+                self.keep(s, update.to_vec());
+            }
             top[own] += rows * rows;
             top[1 - own] = end;
         }

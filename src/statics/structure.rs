@@ -6,12 +6,14 @@ mod cells;
 use crate::assembly::full::{Equations, FullPattern};
 use crate::assembly::stiffness::Stiffness;
 use crate::assembly::{ElementStiffness, Lists, Pattern};
+use crate::linear_solver::held::Held;
 use crate::linear_solver::ordering::{Ordering, elimination_order};
 use crate::linear_solver::two_level::TwoLevel;
 use crate::linear_solver::{Factor, Method, SolverError, cholesky, expected_factor_entries, lu};
 use crate::model::Model;
 use crate::phases::Phases;
 use crate::springs::Springs;
+use std::sync::{Arc, Mutex, PoisonError};
 
 pub(super) enum Structure {
     Symmetric {
@@ -22,13 +24,55 @@ pub(super) enum Structure {
     Full {
         equations: Vec<Equations>,
         pattern: FullPattern,
-        symbolic: lu::Symbolic,
+        analysis: Analysis<lu::Symbolic>,
     },
+}
+
+/// The structure of the factors, for the nodes that are eliminated last.
+pub(super) struct Analysis<S> {
+    /// The nodes as they are eliminated otherwise.
+    order: Vec<u32>,
+    current: Mutex<(Vec<u32>, Arc<S>)>,
+    /// With none of them last.
+    counts: Counts,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Counts {
+    entries: usize,
+    waiting: usize,
+    flops: f64,
+}
+
+impl<S> Analysis<S> {
+    fn new(order: Vec<u32>, symbolic: S, counts: impl Fn(&S) -> Counts) -> Analysis<S> {
+        Analysis {
+            order,
+            counts: counts(&symbolic),
+            current: Mutex::new((Vec::new(), Arc::new(symbolic))),
+        }
+    }
+
+    /// `analyse`: from the one before, with the order and the nodes that are last.
+    fn of(
+        &self,
+        last: &[u32],
+        phases: &mut Phases,
+        analyse: impl FnOnce(&S, &[u32], &[u32]) -> S,
+    ) -> Arc<S> {
+        let mut current = self.current.lock().unwrap_or_else(PoisonError::into_inner);
+        if current.0 != last {
+            let symbolic =
+                phases.measure("symbolic", || analyse(&current.1, &self.order, last));
+            *current = (last.to_vec(), Arc::new(symbolic));
+        }
+        current.1.clone()
+    }
 }
 
 /// How a symmetric K is solved with.
 pub(super) enum Way {
-    Direct(cholesky::Symbolic),
+    Direct(Analysis<cholesky::Symbolic>),
     /// The cells of the nodes in which they may share an aggregate.
     TwoLevel(Vec<u32>),
 }
@@ -51,8 +95,13 @@ impl Structure {
             let way = match method.unwrap_or_else(|| Method::choose(&pattern.graph)) {
                 Method::Direct => {
                     let order = phases.measure("ordering", || order(&pattern.graph))?;
-                    Way::Direct(phases.measure("symbolic", || {
+                    let symbolic = phases.measure("symbolic", || {
                         cholesky::Symbolic::with_order(pattern.symbolic(), &order)
+                    });
+                    Way::Direct(Analysis::new(order, symbolic, |symbolic| Counts {
+                        entries: symbolic.factor_entries(),
+                        waiting: symbolic.waiting_entries(),
+                        flops: symbolic.flops(),
                     }))
                 }
                 Method::TwoLevel => Way::TwoLevel(cells::cells(model)),
@@ -72,10 +121,15 @@ impl Structure {
         let symbolic = phases.measure("symbolic", || {
             lu::Symbolic::new(pattern.symbolic(), pattern.symmetrised().as_ref(), &order)
         });
+        let analysis = Analysis::new(order, symbolic, |symbolic| Counts {
+            entries: symbolic.factor_entries(),
+            waiting: symbolic.waiting_entries(),
+            flops: symbolic.flops(),
+        });
         Ok(Structure::Full {
             equations,
             pattern,
-            symbolic,
+            analysis,
         })
     }
 
@@ -99,7 +153,34 @@ impl Structure {
         }
     }
 
-    /// What to solve with, given which dofs are held.
+    /// Brings the columns of some nodes up to the springs that are intact.
+    pub(super) fn reassemble(
+        &self,
+        stiffness: &mut Stiffness,
+        nodes: &[u32],
+        (positions, springs): (&[[f64; 2]], &Springs),
+        intact: &[bool],
+    ) {
+        let is_intact = |spring: usize| intact[spring];
+        match (self, stiffness) {
+            (
+                Structure::Symmetric {
+                    elements, pattern, ..
+                },
+                Stiffness::Symmetric(lower),
+            ) => pattern.reassemble(lower, nodes, positions, springs, is_intact, elements),
+            (
+                Structure::Full {
+                    equations, pattern, ..
+                },
+                Stiffness::Full(full),
+            ) => pattern.reassemble(full, nodes, positions, springs, is_intact, equations),
+            _ => unreachable!("a structure assembles its own form"),
+        }
+    }
+
+    /// What to solve with, given which dofs are held. `last`: nodes between which K may change before
+    /// the next factorisation.
     ///
     /// # Errors
     /// [`SolverError::NotPositiveDefinite`] or [`SolverError::Singular`] for a mechanism,
@@ -108,35 +189,67 @@ impl Structure {
         &self,
         positions: &[[f64; 2]],
         stiffness: &Stiffness,
-        is_held: &[bool],
+        held: Held,
+        last: &[u32],
         phases: &mut Phases,
     ) -> Result<Factor, SolverError> {
-        if let Structure::Symmetric {
-            pattern,
-            way: Way::TwoLevel(cells),
-            ..
-        } = self
-            && let Stiffness::Symmetric(lower) = stiffness
-        {
-            let solver = phases.measure("factorisation", || {
-                TwoLevel::new(lower, &pattern.graph, cells, positions, is_held)
-            });
-            return Ok(Factor::TwoLevel(Box::new(solver?)));
-        }
-        let held = phases.measure("supports", || stiffness.hold(is_held));
-        phases.measure("factorisation", || match (self, &held) {
+        match (self, stiffness) {
             (
                 Structure::Symmetric {
-                    way: Way::Direct(symbolic),
+                    way: Way::Direct(analysis),
+                    pattern,
                     ..
                 },
                 Stiffness::Symmetric(lower),
-            ) => symbolic.factorise(lower).map(Factor::Cholesky),
-            (Structure::Full { symbolic, .. }, Stiffness::Full(full)) => symbolic
-                .factorise(full)
-                .map(|factor| Factor::Lu(Box::new(factor))),
+            ) => {
+                let symbolic = analysis.of(last, phases, |before, order, last| {
+                    before.again_with_last(pattern.symbolic(), order, last)
+                });
+                phases.measure("factorisation", || {
+                    symbolic.factorise_held(lower, held).map(Factor::Cholesky)
+                })
+            }
+            (
+                Structure::Symmetric {
+                    way: Way::TwoLevel(cells),
+                    pattern,
+                    ..
+                },
+                Stiffness::Symmetric(lower),
+            ) => phases.measure("factorisation", || {
+                let solver = TwoLevel::new(lower, &pattern.graph, cells, positions, held.dofs);
+                Ok(Factor::TwoLevel(Box::new(solver?)))
+            }),
+            (
+                Structure::Full {
+                    analysis, pattern, ..
+                },
+                Stiffness::Full(full),
+            ) => {
+                let symbolic = analysis.of(last, phases, |_, order, last| {
+                    let lower = pattern.symmetrised();
+                    lu::Symbolic::with_last(pattern.symbolic(), lower.as_ref(), order, last)
+                });
+                phases.measure("factorisation", || {
+                    let factor = symbolic.factorise_held(full, held)?;
+                    Ok(Factor::Lu(Box::new(factor)))
+                })
+            }
             _ => unreachable!("a structure assembles its own form"),
-        })
+        }
+    }
+
+    /// The mean diagonal of K with all springs: its scale [N/m].
+    pub(super) fn mean_diagonal(&self, springs: &Springs, dofs: usize) -> f64 {
+        // The squares of w of a spring between two nodes are two in sum, and some one and a half otherwise.
+        let of_springs: f64 = springs.stiffness.iter().map(|k| 2.0 * k).sum();
+        let own: f64 = match self {
+            Structure::Symmetric { elements, .. } => {
+                elements.iter().map(|element| element.matrix.trace()).sum()
+            }
+            Structure::Full { .. } => 0.0,
+        };
+        (of_springs + own) / dofs as f64
     }
 
     pub(super) fn method(&self) -> Method {
@@ -157,29 +270,32 @@ impl Structure {
         }
     }
 
-    /// Stored entries of L, or of L and U as long as pivots stay within their supernodes; zero where there
+    /// Of the factors, or of L and U as long as pivots stay within their supernodes; nothing where there
     /// is none.
-    pub(super) fn factor_entries(&self) -> usize {
+    fn counts(&self) -> Counts {
         match self {
             Structure::Symmetric {
-                way: Way::Direct(symbolic),
+                way: Way::Direct(analysis),
                 ..
-            } => symbolic.factor_entries(),
-            Structure::Symmetric { .. } => 0,
-            Structure::Full { symbolic, .. } => symbolic.factor_entries(),
+            } => analysis.counts,
+            Structure::Symmetric { .. } => Counts::default(),
+            Structure::Full { analysis, .. } => analysis.counts,
         }
     }
 
-    /// Entries that a factorisation holds beside those of its factors.
+    /// Stored entries.
+    pub(super) fn factor_entries(&self) -> usize {
+        self.counts().entries
+    }
+
+    /// Entries that a factorisation holds beside those.
     pub(super) fn waiting_entries(&self) -> usize {
-        match self {
-            Structure::Symmetric {
-                way: Way::Direct(symbolic),
-                ..
-            } => symbolic.waiting_entries(),
-            Structure::Symmetric { .. } => 0,
-            Structure::Full { symbolic, .. } => symbolic.waiting_entries(),
-        }
+        self.counts().waiting
+    }
+
+    /// Multiplications and additions of a factorisation.
+    pub(super) fn flops(&self) -> f64 {
+        self.counts().flops
     }
 
     /// What L of the coarse level may have: a guess, aggregates being all connected to those around them.
@@ -195,18 +311,6 @@ impl Structure {
         let aggregates = cells.iter().enumerate().filter(is_first).count();
         // Eight around each, four dofs for two.
         (4.0 * expected_factor_entries(aggregates, 8 * aggregates)) as usize
-    }
-
-    /// Multiplications and additions of a factorisation, under the same condition.
-    pub(super) fn flops(&self) -> f64 {
-        match self {
-            Structure::Symmetric {
-                way: Way::Direct(symbolic),
-                ..
-            } => symbolic.flops(),
-            Structure::Symmetric { .. } => 0.0,
-            Structure::Full { symbolic, .. } => symbolic.flops(),
-        }
     }
 }
 

@@ -98,24 +98,26 @@ impl Factor {
         }
     }
 
-    /// Whether [`Factor::refactorise`] can follow a change of K between these nodes.
-    pub fn reaches(&self, nodes: &[u32]) -> bool {
-        match self {
-            Factor::Cholesky(factor) => factor.reaches(nodes),
-            Factor::Lu(factor) => factor.reaches(nodes),
-            Factor::TwoLevel(_) => false,
-        }
-    }
-
-    /// The factors of a K that differs between some nodes only, which it [`Factor::reaches`]. False where K
-    /// is singular, or pivots too small: then these are no factors any more.
-    pub fn refactorise(&mut self, stiffness: &Stiffness, held: Held, nodes: &[u32]) -> bool {
+    /// The factors of a K that differs between some nodes only: the same bits as of a whole factorisation.
+    /// False where there is no such way.
+    ///
+    /// # Errors
+    /// [`SolverError::NotPositiveDefinite`]: these are no factors any more, until they have followed a
+    /// change of at least the same nodes.
+    pub fn refactorise(
+        &mut self,
+        stiffness: &Stiffness,
+        held: Held,
+        nodes: &[u32],
+    ) -> Result<bool, SolverError> {
         match (self, stiffness) {
             (Factor::Cholesky(factor), Stiffness::Symmetric(lower)) => {
-                factor.refactorise(lower, held, nodes).is_ok()
+                factor.refactorise(lower, held, nodes).map(|_| true)
             }
-            (Factor::Lu(factor), Stiffness::Full(full)) => factor.refactorise(full, held, nodes),
-            _ => false,
+            (Factor::Lu(factor), Stiffness::Full(full)) => {
+                Ok(factor.refactorise(full, held, nodes))
+            }
+            _ => Ok(false),
         }
     }
 

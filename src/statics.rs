@@ -119,9 +119,6 @@ fn residual_goal(method: Method) -> f64 {
 
 const MOST_REFINEMENTS: usize = 3;
 
-/// Of [`Solver::zone`], measured (docs/performance.md).
-const ZONE: f64 = 170.0;
-
 /// Assembles and solves once, initial cracks open.
 ///
 /// # Errors
@@ -192,14 +189,6 @@ impl<'a> Solver<'a> {
         })
     }
 
-    pub fn is_direct(&self) -> bool {
-        self.structure.method() == Method::Direct
-    }
-
-    pub fn is_symmetric(&self) -> bool {
-        matches!(self.structure, Structure::Symmetric { .. })
-    }
-
     pub fn size(&self) -> SystemSize {
         SystemSize {
             dofs: self.boundary.load.len(),
@@ -243,13 +232,12 @@ impl<'a> Solver<'a> {
         mechanisms: &mut BTreeSet<usize>,
         phases: &mut Phases,
     ) -> Result<Vec<Solution>, StaticsError> {
-        let factorised = self.factorise_broken(intact, pinned, mechanisms, &[], phases)?;
-        let solve = |case: &&Boundary| self.solve_with(&factorised, case, None, mechanisms, phases);
+        let factorised = self.factorise_broken(intact, pinned, mechanisms, phases)?;
+        let solve = |case: &&Boundary| self.solve_with(&factorised, case, None, None, mechanisms, phases);
         cases.iter().map(solve).collect()
     }
 
-    /// What [`Solver::solve_broken`] solves with. `last`: nodes between which bonds may break before the next
-    /// factorisation ([`Solver::refactorise`]).
+    /// What [`Solver::solve_broken`] solves with.
     ///
     /// # Errors
     /// See [`StaticsError`].
@@ -258,13 +246,14 @@ impl<'a> Solver<'a> {
         intact: &[bool],
         pinned: &[Vec<usize>],
         mechanisms: &mut BTreeSet<usize>,
-        last: &[u32],
         phases: &mut Phases,
     ) -> Result<Factorised, StaticsError> {
-        let mut last = last;
+        // Bonds will break near those that are gone.
+        let gone = (0..intact.len()).filter(|&spring| !intact[spring]);
+        let likely: Vec<u32> = gone.flat_map(|s| self.model.springs.nodes(s)).copied().collect();
         loop {
             let system = self.system(intact, pinned, mechanisms, phases);
-            match self.factorise(&system, last, phases) {
+            match self.factorise(&system, &likely, phases) {
                 Ok(factor) => {
                     return Ok(Factorised {
                         system,
@@ -272,12 +261,6 @@ impl<'a> Solver<'a> {
                         entries: self.structure.factor_entries(),
                         flops: self.structure.flops(),
                     });
-                }
-                // The order of elimination decides which dof of a mechanism is held.
-                Err(SolverError::NotPositiveDefinite { .. } | SolverError::Singular { .. })
-                    if !last.is_empty() =>
-                {
-                    last = &[];
                 }
                 // The set grows with every turn, so that the loop ends.
                 Err(SolverError::NotPositiveDefinite { dof } | SolverError::Singular { dof })
@@ -288,45 +271,65 @@ impl<'a> Solver<'a> {
     }
 
     /// Brings a factorisation up to springs that have gone, of those that are `intact` now, and to parts
-    /// that are pinned since. False if it does not reach that far, or if what is left is a mechanism: then
-    /// it is of no use any more.
+    /// that are pinned since: the bits of [`Solver::factorise_broken`]. False where K is to be factorised as
+    /// a whole.
+    ///
+    /// # Errors
+    /// See [`StaticsError`].
     pub fn refactorise(
         &self,
         factorised: &mut Factorised,
         gone: &[u32],
         intact: &[bool],
         pinned: &[Vec<usize>],
+        mechanisms: &mut BTreeSet<usize>,
         phases: &mut Phases,
-    ) -> bool {
+    ) -> Result<bool, StaticsError> {
         let Model {
             springs, positions, ..
         } = self.model;
-        let Some([nodes, changed]) = factorised.reach(self.model, gone, pinned) else {
-            return false;
-        };
-        let system = &mut factorised.system;
+        let Factorised { system, factor, .. } = factorised;
+        let of_spring = |&spring: &u32| springs.nodes(spring as usize);
+        let mut changed: BTreeSet<u32> = gone.iter().flat_map(of_spring).copied().collect();
+        let nodes: Vec<u32> = changed.iter().copied().collect();
         phases.measure("assembly", || {
             let stiffness = &mut system.stiffness;
             (self.structure).reassemble(stiffness, &nodes, (positions, springs), intact);
         });
+        let is_free = |node: &usize| [0, 1].iter().any(|axis| !system.is_held[2 * node + axis]);
+        let new: Vec<usize> = pinned.iter().flatten().copied().filter(is_free).collect();
+        new.iter().for_each(|&node| self.add_around(&mut changed, node));
         system.pin(pinned);
-        let held = Held {
-            dofs: &system.is_held,
-            diagonal: self.diagonal,
-        };
-        let (factor, stiffness) = (&mut factorised.factor, &system.stiffness);
-        phases.measure("refactorisation", || factor.refactorise(stiffness, held, &changed))
+        loop {
+            let held = Held {
+                dofs: &system.is_held,
+                diagonal: self.diagonal,
+            };
+            let nodes: Vec<u32> = changed.iter().copied().collect();
+            let done = phases.measure("refactorisation", || {
+                factor.refactorise(&system.stiffness, held, &nodes)
+            });
+            match done {
+                Ok(is_done) => return Ok(is_done),
+                // The set grows with every turn, so that the loop ends.
+                Err(SolverError::NotPositiveDefinite { dof }) if mechanisms.insert(dof) => {
+                    system.is_held[dof] = true;
+                    self.add_around(&mut changed, dof / 2);
+                }
+                Err(error) => return Err(self.locate(error)),
+            }
+        }
     }
 
-    /// How many nodes to eliminate last: those between which bonds break cost the cube of their number
-    /// at each change, and the more they are, the fewer whole factorisations there are.
-    pub fn zone(&self) -> usize {
-        let dofs = (ZONE * self.structure.flops()).powf(0.25);
-        (0.5 * dofs) as usize
+    /// Adds a node and those with which it shares stiffness.
+    fn add_around(&self, nodes: &mut BTreeSet<u32>, node: usize) {
+        nodes.insert(node as u32);
+        nodes.extend(self.structure.graph().of(node));
     }
 
     /// Solves a case, which prescribes displacements on the same dofs. `guess`: displacements that may be
-    /// near the solution [m], from which conjugate gradients start.
+    /// near the solution [m], from which conjugate gradients start. `goal`: a relative residual that needs no
+    /// refinement.
     ///
     /// # Errors
     /// See [`StaticsError`]; [`StaticsError::Swings`] where a load acts along a mechanism.
@@ -335,25 +338,13 @@ impl<'a> Solver<'a> {
         factorised: &Factorised,
         case: &Boundary,
         guess: Option<&[[f64; 2]]>,
+        goal: Option<f64>,
         mechanisms: &BTreeSet<usize>,
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
         let Factorised { system, factor, .. } = factorised;
-        let solution = self.finish(system, &system.case(case), factor, guess, None, phases);
+        let solution = self.finish(system, &system.case(case), factor, guess, goal, phases);
         solution.map_err(|error| self.swings(error, mechanisms))
-    }
-
-    /// The same without refinement, if it leaves a residual of no more than `drift`.
-    pub fn solve_once(
-        &self,
-        factorised: &Factorised,
-        case: &Boundary,
-        drift: f64,
-        phases: &mut Phases,
-    ) -> Option<Solution> {
-        let Factorised { system, factor, .. } = factorised;
-        let solution = self.finish(system, &system.case(case), factor, None, Some(drift), phases);
-        solution.ok().filter(|solution| solution.residual <= drift)
     }
 
     /// A residual where dofs are held that nothing but a mechanism lets go.
@@ -394,7 +385,7 @@ impl<'a> Solver<'a> {
     fn factorise(
         &self,
         system: &System,
-        last: &[u32],
+        likely: &[u32],
         phases: &mut Phases,
     ) -> Result<Factor, SolverError> {
         let held = Held {
@@ -402,7 +393,9 @@ impl<'a> Solver<'a> {
             diagonal: self.diagonal,
         };
         let positions = &self.model.positions;
-        (self.structure).factorise(positions, &system.stiffness, held, last, phases)
+        phases.measure("factorisation", || {
+            (self.structure).factorise(positions, &system.stiffness, held, likely)
+        })
     }
 
     fn finish(
@@ -498,25 +491,6 @@ impl Factorised {
     /// Whether supports, a fragment or a mechanism hold a dof.
     pub fn is_held(&self, dof: usize) -> bool {
         self.system.is_held[dof]
-    }
-
-    /// Whether [`Solver::refactorise`] can follow this.
-    pub fn reaches(&self, model: &Model, gone: &[u32], pinned: &[Vec<usize>]) -> bool {
-        self.reach(model, gone, pinned).is_some()
-    }
-
-    /// Nodes of springs that have gone, and these with nodes that are pinned since: where K changes.
-    fn reach(&self, model: &Model, gone: &[u32], pinned: &[Vec<usize>]) -> Option<[Vec<u32>; 2]> {
-        let of_spring = |&spring: &u32| model.springs.nodes(spring as usize);
-        let mut nodes: Vec<u32> = gone.iter().flat_map(of_spring).copied().collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        // Nothing but springs that are gone held to the rest what has come off.
-        let mut changed = nodes.clone();
-        let is_free = |&&node: &&usize| [0, 1].iter().any(|axis| !self.is_held(2 * node + axis));
-        let new = pinned.iter().flatten().filter(is_free);
-        changed.extend(new.map(|&node| node as u32));
-        self.factor.reaches(&changed).then_some([nodes, changed])
     }
 
     /// L⁻¹ E of these dofs, nothing for held ones; from Cholesky's factor only.

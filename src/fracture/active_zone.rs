@@ -239,11 +239,7 @@ impl Scout<'_> {
             load,
         } = here;
         let problem = self.problem;
-        let utilisation = |spring: usize| {
-            let stretch = load.combine(solutions.rough_stretches(problem, spring));
-            problem.limits.of(spring).utilisation(stretch)
-        };
-        let nodes = corridor::nodes(problem, &self.intact, utilisation, dofs / 2);
+        let nodes = corridor::nodes(problem, &self.intact, &solutions, load, dofs / 2);
         let zone = Zone::new(problem, &self.intact, &nodes);
         let start = (self.ahead.gone).start(&self.ahead.factorised, &zone, self.base)?;
         let on_zone = self.fields.iter();

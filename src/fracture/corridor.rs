@@ -5,6 +5,8 @@
 //! nearby, it is a disc.
 
 use super::control::Problem;
+use super::event::Load;
+use super::response::Solutions;
 use rayon::prelude::*;
 
 /// Nodes with a bond at this share of its limit belong to a zone.
@@ -26,18 +28,22 @@ struct Tip {
     way: Option<[f64; 2]>,
 }
 
-/// At most `count` nodes, ascending. `utilisation`: the stretch of a bond over its limit.
+/// At most `count` nodes, ascending. `load` breaks the next bond.
 pub fn nodes(
     problem: &Problem,
     intact: &[bool],
-    utilisation: impl Fn(usize) -> f64 + Sync,
+    solutions: &Solutions,
+    load: Load,
     count: usize,
 ) -> Vec<usize> {
     let model = problem.model;
     let strained: Vec<(usize, f64)> = (0..model.springs.len())
         .into_par_iter()
         .filter(|&s| intact[s])
-        .map(|s| (s, utilisation(s)))
+        .map(|s| {
+            let stretch = load.combine(solutions.rough_stretches(problem, s));
+            (s, problem.limits.of(s).utilisation(stretch))
+        })
         .filter(|&(_, utilisation)| utilisation > STRAINED)
         .collect();
     let length = |&(s, _): &(usize, f64)| model.springs.length(s, &model.positions);

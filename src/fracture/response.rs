@@ -10,8 +10,8 @@
 //!
 //! Under the event-driven control the response looks ahead (`active_zone.rs`): it knows a number
 //! of events that follow from one factorisation, and goes from one to the next without solving again.
-//! Elsewhere it is updated from the last factorisation (`update.rs`), one solution for each pass in which
-//! bonds broke. Without factors, on a large lattice, conjugate gradients start from what the state was last
+//! Elsewhere the factorisation follows the bonds that break (`update.rs`), with one solution for each pass in
+//! which some did. Without factors, on a large lattice, conjugate gradients start from what the state was last
 //! settled to.
 
 use super::active_zone::{Ahead, look_ahead};
@@ -27,8 +27,8 @@ use crate::statics::{Factorised, Solution, Solver, StaticsError};
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// A bond at this share of its limit may break soon.
-const NEAR: f64 = 0.8;
+/// Rounding of [`Solutions::rough_stretches`] is far less than what is missing here.
+const NEAR: f64 = 0.999;
 
 /// u_held and u_unit of all nodes.
 #[derive(Clone)]
@@ -97,9 +97,7 @@ pub struct Response {
     ahead: Option<Ahead>,
     next: usize,
     update: Option<Update>,
-    /// Bonds that were near their limit when they were last asked for, and what all of them allow where
-    /// none was over it.
-    near: Vec<usize>,
+    /// What all bonds allow, where none was over its limit when they were last asked for.
     carries: Option<Bounds>,
 }
 
@@ -112,12 +110,10 @@ impl Response {
         state: &mut State,
         phases: &mut Phases,
     ) -> Result<Response, StaticsError> {
-        let zone = phases.measure("zone", || update::zone(problem, solver, state));
         let factorised = solver.factorise_broken(
             &state.intact,
             &state.fragments,
             &mut state.mechanisms,
-            &zone,
             phases,
         )?;
         let solved = solve(solver, problem, state, &factorised, phases)?;
@@ -127,7 +123,6 @@ impl Response {
             ahead: None,
             next: 0,
             update: None,
-            near: Vec::new(),
             carries: None,
         };
         if problem.resolution == Resolution::Reference || !factorised.is_direct() {
@@ -163,8 +158,9 @@ impl Response {
             return Ok(());
         }
         if let Some(update) = &mut self.update
-            && let Some(solved) = update.renew(solver, problem, state, phases)
+            && update.renew(solver, state, phases)?
         {
+            let solved = solve(solver, problem, state, &update.factorised, phases)?;
             self.carries = None;
             self.values = solved.values(problem);
             self.solved = solved;
@@ -182,13 +178,10 @@ impl Response {
         ahead.is_some_and(|ahead| self.next + 1 < ahead.count())
     }
 
-    /// Whether a run that begins with `state`, and so with a factorisation, goes on with the same bits.
-    pub fn is_reproducible(&self, problem: &Problem, state: &State) -> bool {
-        match (&self.ahead, &self.update) {
-            (Some(_), _) => !self.foresees_next(),
-            (None, Some(update)) => update.is_reproducible(problem, state),
-            (None, None) => true,
-        }
+    /// Whether a run that begins with the state that it is now in, and so with a factorisation, goes on with
+    /// the same bits.
+    pub fn is_reproducible(&self) -> bool {
+        !self.foresees_next()
     }
 
     fn now(&self) -> Option<(&Ahead, usize)> {
@@ -258,8 +251,8 @@ impl Response {
             let stretch = load.combine(self.solved.stretches(problem, s));
             problem.limits.of(s).is_exceeded(stretch)
         };
-        self.near = intact(problem, state).filter(is_near).collect();
-        let over: Vec<usize> = self.near.iter().copied().filter(is_over).collect();
+        let near = intact(problem, state).filter(is_near);
+        let over: Vec<usize> = near.filter(is_over).collect();
         if over.is_empty() {
             self.carries = Some(self.bounds(problem, state));
         }
@@ -295,8 +288,9 @@ fn solve(
     phases: &mut Phases,
 ) -> Result<Solutions, StaticsError> {
     let programme = problem.programme;
+    let goal = update::goal(problem, factorised);
     let mut solve = |case: &Boundary, guess: Option<&[[f64; 2]]>| {
-        solver.solve_with(factorised, case, guess, &state.mechanisms, phases)
+        solver.solve_with(factorised, case, guess, goal, &state.mechanisms, phases)
     };
     let held = match programme.held(state.phase) {
         Some(held) => Some(solve(&held, None)?),

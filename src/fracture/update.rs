@@ -1,45 +1,30 @@
 //! The response after bonds have gone, from the factorisation before them.
 //!
-//! Where bonds will break next is known: around the tips, and ahead of them. These nodes are eliminated
-//! last (theirs is the root of the elimination tree), so that a pass changes the last front alone. It is
-//! assembled from what the rest passes up, which is kept, and factorised anew; one solution then finds u
-//! everywhere. Nothing is approximated and nothing adds up: the factor has the bits of a whole
-//! factorisation of what is left.
-//!
-//! Where a bond breaks elsewhere, K is factorised as a whole, with new nodes last. Which ones follows from the
-//! state alone, so that a run that is taken up there goes on with the same bits.
+//! A bond is two rows and two columns of K. What it changes of L is above its nodes in the elimination
+//! tree: their supernodes' fronts are assembled and factorised anew, up to the root, from what all others pass up,
+//! which is kept (`linear_solver/multifrontal.rs`). K itself is assembled anew at these nodes alone. Nothing is
+//! approximated and nothing adds up: K and L have the bits that they would have from the beginning, and a
+//! hinge shows at the same pivot.
 
 use super::control::{Control, Problem, Resolution};
-use super::corridor;
-use super::response::Solutions;
 use super::state::State;
-use crate::boundary::Boundary;
 use crate::phases::Phases;
-use crate::statics::{Factorised, Solver};
+use crate::statics::{Factorised, Solver, StaticsError};
 
 /// The largest relative residual that is not worth a refinement.
 const DRIFT: f64 = 1e-11;
 
-/// The nodes between which bonds will break next: to be eliminated last.
-pub fn zone(problem: &Problem, solver: &Solver, state: &State) -> Vec<u32> {
-    let foresees = problem.control == Control::EventDriven && solver.is_symmetric();
-    let follows = problem.resolution != Resolution::Reference && solver.is_direct();
-    if state.broken.is_empty() || foresees || !follows {
-        return Vec::new();
-    }
-    let utilisation = |spring: usize| {
-        let limit = problem.limits.of(spring);
-        limit.utilisation(state.stretch(problem.model, spring))
-    };
-    let nodes = corridor::nodes(problem, &state.intact, utilisation, solver.zone());
-    nodes.into_iter().map(|node| node as u32).collect()
+/// The residual at which a solution is good enough; `None`: as good as it gets.
+pub fn goal(problem: &Problem, factorised: &Factorised) -> Option<f64> {
+    let foresees = problem.control == Control::EventDriven && factorised.is_symmetric();
+    let follows = problem.resolution != Resolution::Reference && factorised.is_direct();
+    (follows && !foresees).then_some(DRIFT)
 }
 
 /// A factorisation that follows the bonds that break.
 pub struct Update {
-    factorised: Factorised,
-    phase: usize,
-    /// Bonds that had broken when K was last factorised.
+    pub factorised: Factorised,
+    /// Bonds that had broken when it was brought up to them.
     known: usize,
 }
 
@@ -47,45 +32,29 @@ impl Update {
     pub fn new(factorised: Factorised, state: &State) -> Update {
         Update {
             factorised,
-            phase: state.phase,
             known: state.broken.len(),
         }
     }
 
-    /// Whether a run that starts from `state` with a whole factorisation goes on with the same bits: the next
-    /// response is from one, or nothing has broken yet.
-    pub fn is_reproducible(&self, problem: &Problem, state: &State) -> bool {
-        let lost = &state.broken[self.known..];
-        match lost.is_empty() {
-            true => state.broken.is_empty(),
-            false => !(self.factorised).reaches(problem.model, lost, &state.fragments),
-        }
-    }
-
-    /// u_held and u_unit with the bonds that are gone; `None` where K is to be factorised as a whole.
+    /// Brings it up to the bonds that are gone; false where K is to be factorised as a whole.
+    ///
+    /// # Errors
+    /// What the solver reports.
     pub fn renew(
         &mut self,
         solver: &Solver,
-        problem: &Problem,
-        state: &State,
+        state: &mut State,
         phases: &mut Phases,
-    ) -> Option<Solutions> {
-        if state.phase != self.phase {
-            return None;
-        }
+    ) -> Result<bool, StaticsError> {
         let lost = &state.broken[self.known..];
-        let (factorised, fragments) = (&mut self.factorised, &state.fragments);
-        if !solver.refactorise(factorised, lost, &state.intact, fragments, phases) {
-            return None;
-        }
         self.known = state.broken.len();
-        let mut solve = |case: &Boundary| solver.solve_once(&self.factorised, case, DRIFT, phases);
-        let programme = problem.programme;
-        let held = match programme.held(state.phase) {
-            Some(held) => Some(solve(&held)?),
-            None => None,
-        };
-        let unit = solve(&programme.phases[state.phase].boundary)?;
-        Some(Solutions { held, unit })
+        solver.refactorise(
+            &mut self.factorised,
+            lost,
+            &state.intact,
+            &state.fragments,
+            &mut state.mechanisms,
+            phases,
+        )
     }
 }

@@ -28,8 +28,6 @@ const LEAST_PIVOT: f64 = 1e-13;
 #[derive(Clone, Debug)]
 pub struct Symbolic {
     structure: Arc<Supernodes>,
-    /// Supernodes that may be factorised anew.
-    again: Arc<[usize]>,
     spare: Spare,
     pool: Arc<Pool>,
 }
@@ -55,36 +53,10 @@ impl Symbolic {
 
     /// `order`: the nodes as they are eliminated.
     pub fn with_order(pattern: SymbolicSparseColMatRef<'_, u32>, order: &[u32]) -> Symbolic {
-        Symbolic::with_last(pattern, order, &[])
-    }
-
-    /// The same with some of the nodes eliminated last: where K changes between them alone, little of L is
-    /// to be factorised anew.
-    pub fn with_last(
-        pattern: SymbolicSparseColMatRef<'_, u32>,
-        order: &[u32],
-        last: &[u32],
-    ) -> Symbolic {
-        let structure = Supernodes::with_last(pattern, order, last);
         Symbolic {
-            again: structure.above(last).into(),
-            structure: Arc::new(structure),
+            structure: Arc::new(Supernodes::new(pattern, order)),
             spare: Spare::default(),
             pool: Arc::default(),
-        }
-    }
-
-    /// [`Symbolic::with_last`] with the memory of this one.
-    pub fn again_with_last(
-        &self,
-        pattern: SymbolicSparseColMatRef<'_, u32>,
-        order: &[u32],
-        last: &[u32],
-    ) -> Symbolic {
-        Symbolic {
-            spare: self.spare.clone(),
-            pool: self.pool.clone(),
-            ..Symbolic::with_last(pattern, order, last)
         }
     }
 
@@ -109,46 +81,59 @@ impl Symbolic {
     /// # Errors
     /// [`SolverError::NotPositiveDefinite`], [`SolverError::OutOfMemory`].
     pub fn factorise(&self, matrix: &LowerMatrix) -> Result<Factor, SolverError> {
-        self.factorise_held(matrix, Held::NONE)
+        self.numeric(matrix, Held::NONE, &[])
     }
 
-    /// The same of the matrix with some dofs held.
+    /// The same of the matrix with some dofs held, to be followed by [`Factor::refactorise`]. `likely`: nodes near
+    /// which K will change.
     ///
     /// # Errors
     /// As [`Symbolic::factorise`].
-    pub fn factorise_held(&self, matrix: &LowerMatrix, held: Held) -> Result<Factor, SolverError> {
-        let mut values = self.room().ok_or_else(|| SolverError::OutOfMemory {
-            dofs: matrix.ncols(),
-        })?;
+    pub fn factorise_held(
+        &self,
+        matrix: &LowerMatrix,
+        held: Held,
+        likely: &[u32],
+    ) -> Result<Factor, SolverError> {
+        let factor = self.numeric(matrix, held, &self.structure.above(likely));
+        // What follows needs a little of it.
+        self.pool.clear();
+        factor
+    }
+
+    fn numeric(
+        &self,
+        matrix: &LowerMatrix,
+        held: Held,
+        parents: &[usize],
+    ) -> Result<Factor, SolverError> {
+        let spare = self
+            .spare
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take();
+        let mut values = match spare {
+            Some(values) => values,
+            None => {
+                super::zeros(self.factor_entries()).ok_or_else(|| SolverError::OutOfMemory {
+                    dofs: matrix.ncols(),
+                })?
+            }
+        };
         let structure = &self.structure;
         let fronts = Fronts {
             structure,
             matrix: matrix.val(),
             held: held.columns(structure),
         };
-        let kept =
-            multifrontal::factorise(structure, &fronts, &mut values, &self.pool, &self.again);
+        let kept = multifrontal::factorise(structure, &fronts, &mut values, &self.pool, parents);
         Ok(Factor {
             kept: kept.map_err(|pivot| not_positive(structure, pivot))?,
             structure: structure.clone(),
             values,
+            pool: self.pool.clone(),
             spare: self.spare.clone(),
         })
-    }
-}
-
-impl Symbolic {
-    /// Room for L, whatever is in it.
-    fn room(&self) -> Option<Vec<f64>> {
-        let count = self.factor_entries();
-        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
-        match spare.take() {
-            Some(mut values) if values.capacity() >= count => {
-                values.resize(count, 0.0);
-                Some(values)
-            }
-            _ => super::zeros(count),
-        }
     }
 }
 
@@ -164,6 +149,7 @@ pub struct Factor {
     structure: Arc<Supernodes>,
     values: Vec<f64>,
     kept: Kept,
+    pool: Arc<Pool>,
     spare: Spare,
 }
 
@@ -183,33 +169,29 @@ impl Factor {
         &self.structure
     }
 
-    /// Whether [`Factor::refactorise`] can follow a change of K between these nodes.
-    pub fn reaches(&self, nodes: &[u32]) -> bool {
-        self.kept.reaches(&self.structure.above(nodes))
-    }
-
-    /// L of a matrix that differs between some nodes only, which it [`Factor::reaches`]: the same bits as
-    /// of a whole factorisation.
+    /// L of a matrix that differs between some nodes only: the same bits as of a whole factorisation. Returns
+    /// the multiplications and additions above these nodes.
     ///
     /// # Errors
-    /// [`SolverError::NotPositiveDefinite`]: this is no factor any more, until it follows a change of at least the
-    /// same nodes.
+    /// [`SolverError::NotPositiveDefinite`]: this is no factor any more, until it has followed a change of at
+    /// least the same nodes.
     pub fn refactorise(
         &mut self,
         matrix: &LowerMatrix,
         held: Held,
         nodes: &[u32],
-    ) -> Result<(), SolverError> {
+    ) -> Result<f64, SolverError> {
         let structure = &self.structure;
         let fronts = Fronts {
             structure,
             matrix: matrix.val(),
             held: held.columns(structure),
         };
-        let changed = structure.above(nodes);
+        let path = structure.above(nodes);
         let (values, kept) = (&mut self.values, &mut self.kept);
-        multifrontal::refactorise(structure, &fronts, values, kept, &changed)
-            .map_err(|pivot| not_positive(structure, pivot))
+        multifrontal::refactorise(structure, &fronts, values, &self.pool, kept, &path)
+            .map_err(|pivot| not_positive(structure, pivot))?;
+        Ok(path.iter().map(|&s| structure.flops(s)).sum())
     }
 
     /// The column of L that eliminates a dof.

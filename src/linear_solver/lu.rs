@@ -37,8 +37,6 @@ const MOST_LEFT: f64 = 1e-12;
 pub struct Symbolic {
     order: Arc<[u32]>,
     structure: Arc<Supernodes>,
-    /// Supernodes that may be factorised anew.
-    again: Arc<[usize]>,
     places: Arc<Places>,
     pool: Arc<Pool>,
 }
@@ -50,22 +48,10 @@ impl Symbolic {
         lower: SymbolicSparseColMatRef<'_, u32>,
         order: &[u32],
     ) -> Symbolic {
-        Symbolic::with_last(pattern, lower, order, &[])
-    }
-
-    /// The same with some of the nodes eliminated last: where K changes between them alone, little is to be
-    /// factorised anew.
-    pub fn with_last(
-        pattern: SymbolicSparseColMatRef<'_, u32>,
-        lower: SymbolicSparseColMatRef<'_, u32>,
-        order: &[u32],
-        last: &[u32],
-    ) -> Symbolic {
-        let structure = Supernodes::with_last(lower, order, last);
+        let structure = Supernodes::new(lower, order);
         let places = Places::new(&structure, pattern);
         Symbolic {
             order: order.into(),
-            again: structure.above(last).into(),
             structure: Arc::new(structure),
             places: Arc::new(places),
             pool: Arc::default(),
@@ -92,15 +78,21 @@ impl Symbolic {
     /// # Errors
     /// [`SolverError::Singular`], [`SolverError::OutOfMemory`].
     pub fn factorise(&self, matrix: &FullMatrix) -> Result<Factor, SolverError> {
-        self.factorise_held(matrix, Held::NONE)
+        self.factorise_held(matrix, Held::NONE, &[])
     }
 
-    /// The same of the matrix with some dofs held.
+    /// The same of the matrix with some dofs held, to be followed by [`Factor::refactorise`]. `likely`: nodes near
+    /// which K will change.
     ///
     /// # Errors
     /// As [`Symbolic::factorise`].
-    pub fn factorise_held(&self, matrix: &FullMatrix, held: Held) -> Result<Factor, SolverError> {
-        let factor = self.numeric(matrix, held)?;
+    pub fn factorise_held(
+        &self,
+        matrix: &FullMatrix,
+        held: Held,
+        likely: &[u32],
+    ) -> Result<Factor, SolverError> {
+        let factor = self.numeric(matrix, held, &self.structure.above(likely))?;
         if factor.is_sound(matrix, held) {
             return Ok(Factor(Kind::Own(Box::new(factor))));
         }
@@ -117,7 +109,12 @@ impl Symbolic {
         Ok(Factor(Kind::AllRows(Box::new(factor))))
     }
 
-    fn numeric(&self, matrix: &FullMatrix, held: Held) -> Result<Own, SolverError> {
+    fn numeric(
+        &self,
+        matrix: &FullMatrix,
+        held: Held,
+        parents: &[usize],
+    ) -> Result<Own, SolverError> {
         let structure = &self.structure;
         let out_of_memory = || SolverError::OutOfMemory {
             dofs: matrix.ncols(),
@@ -131,10 +128,10 @@ impl Symbolic {
             held: held.columns(structure),
         };
         // No pivot is refused: the probe tells what they were worth.
-        let kept =
-            multifrontal::factorise(structure, &fronts, &mut values, &self.pool, &self.again);
+        let kept = multifrontal::factorise(structure, &fronts, &mut values, &self.pool, parents);
         Ok(Own {
             structure: structure.clone(),
+            pool: self.pool.clone(),
             places: self.places.clone(),
             kept: kept.expect("fronts of LU refuse no pivot"),
             values,
@@ -161,17 +158,8 @@ impl Factor {
         }
     }
 
-    /// Whether [`Factor::refactorise`] can follow a change of K between these nodes.
-    pub fn reaches(&self, nodes: &[u32]) -> bool {
-        match &self.0 {
-            Kind::Own(own) => own.kept.reaches(&own.structure.above(nodes)),
-            Kind::AllRows(_) => false,
-        }
-    }
-
-    /// The factors of a matrix that differs between some nodes only, which it [`Factor::reaches`]: the same
-    /// bits as of a whole factorisation. Whether they are sound; if they are not, this is no factor any
-    /// more.
+    /// The factors of a matrix that differs between some nodes only: the same bits as of a whole
+    /// factorisation. Whether they are sound; if they are not, this is no factor any more.
     pub fn refactorise(&mut self, matrix: &FullMatrix, held: Held, nodes: &[u32]) -> bool {
         match &mut self.0 {
             Kind::Own(own) => {
@@ -192,6 +180,7 @@ impl Factor {
 struct Own {
     structure: Arc<Supernodes>,
     places: Arc<Places>,
+    pool: Arc<Pool>,
     kept: Kept,
     values: Vec<f64>,
 }
@@ -205,9 +194,10 @@ impl Own {
             matrix: matrix.val(),
             held: held.columns(structure),
         };
-        let changed = structure.above(nodes);
+        let path = structure.above(nodes);
         let (values, kept) = (&mut self.values, &mut self.kept);
-        let refused = multifrontal::refactorise(structure, &fronts, values, kept, &changed);
+        let refused =
+            multifrontal::refactorise(structure, &fronts, values, &self.pool, kept, &path);
         refused.expect("fronts of LU refuse no pivot");
     }
 

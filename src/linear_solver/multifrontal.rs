@@ -11,8 +11,9 @@
 //! the threads, and large blocks near the root are cut. Both follow from the structure alone, and children
 //! are added in their order: the bits do not depend on the number of threads.
 //!
-//! Where K changes in the fronts of a few supernodes, these and those above them are factorised anew, from
-//! the updates of their other children, which are kept ([`Kept`]): the same sums, and so the same bits.
+//! Where K changes in the fronts of a few supernodes, these and those above them are factorised anew
+//! ([`refactorise`]), from what their other children pass up, which is kept ([`Kept`]): the same sums, and so
+//! the same bits.
 
 use super::kernels::Added;
 use super::supernodes::Supernodes;
@@ -64,29 +65,11 @@ pub struct Child<'a> {
     pub update: &'a [f64],
 }
 
-/// What it takes to factorise some supernodes anew.
+/// What some supernodes pass up, for when their parents are factorised anew.
 #[derive(Clone, Debug, Default)]
-pub struct Kept {
-    /// The supernodes that may be, ascending; with each of them its parent.
-    again: Vec<usize>,
-    /// What their children pass up.
-    updates: BTreeMap<usize, Vec<f64>>,
-}
+pub struct Kept(BTreeMap<usize, Vec<f64>>);
 
-impl Kept {
-    /// Whether all of some supernodes can be factorised anew.
-    pub fn reaches(&self, supernodes: &[usize]) -> bool {
-        (supernodes.iter()).all(|s| self.again.binary_search(s).is_ok())
-    }
-
-    /// Numbers that are kept.
-    pub fn entries(&self) -> usize {
-        self.updates.values().map(Vec::len).sum()
-    }
-}
-
-/// Fills the numbers of all supernodes; keeps what it takes to factorise those `again`, which are ascending
-/// and hold each one's parent.
+/// Fills the numbers of all supernodes; keeps what the children of some of them pass up.
 ///
 /// # Errors
 /// [`NotPositive`].
@@ -95,51 +78,49 @@ pub fn factorise(
     front: &impl Front,
     values: &mut [f64],
     pool: &Pool,
-    again: &[usize],
+    parents: &[usize],
 ) -> Result<Kept, NotPositive> {
-    let roots = structure.roots();
-    let numeric = Numeric {
-        structure,
-        front,
-        least: LEAST_WORK.max(SHARE * structure.total_flops()),
-        pool,
-        again,
-        kept: Mutex::default(),
-    };
-    let updates = numeric.subtrees(&roots, values)?;
-    updates.into_iter().for_each(|root| pool.give(root.values));
-    let kept = numeric.kept.into_inner();
-    Ok(Kept {
-        again: again.to_vec(),
-        updates: kept.unwrap_or_else(PoisonError::into_inner),
-    })
+    let numeric = Numeric::new(structure, front, pool, parents);
+    let roots = numeric.subtrees(&structure.roots(), values, 0)?;
+    roots.into_iter().for_each(|root| pool.give(root.values));
+    Ok(numeric.kept())
 }
 
-/// Fills the numbers of some supernodes anew, which [`Kept::reaches`]; ascending, with each of them all
-/// above it.
+/// Fills the numbers of the supernodes of a path anew: ascending, with each of them all above it. What
+/// others pass up to them is taken from what is kept, or their subtrees are factorised anew as well; it is
+/// kept from now on.
 ///
 /// # Errors
-/// [`NotPositive`]: those from there on have to be filled before the factor is one again.
+/// [`NotPositive`]: the path from there on has to be filled before this is a factor again.
 pub fn refactorise(
     structure: &Supernodes,
     front: &impl Front,
     values: &mut [f64],
+    pool: &Pool,
     kept: &mut Kept,
-    supernodes: &[usize],
+    path: &[usize],
 ) -> Result<(), NotPositive> {
-    for &s in supernodes {
-        let mut update = kept.updates.remove(&s).unwrap_or_default();
+    let children = path.iter().flat_map(|&s| structure.children_from_last(s));
+    let is_missing = |s: &usize| !kept.0.contains_key(s) && path.binary_search(s).is_err();
+    let mut missing: Vec<usize> = children.filter(is_missing).collect();
+    missing.sort_unstable();
+    let numeric = Numeric::new(structure, front, pool, &[]);
+    for update in numeric.subtrees(&missing, values, 0)? {
+        // Not with the room that it may have beyond its end.
+        kept.0.insert(update.supernode, update.values.as_slice().into());
+        pool.give(update.values);
+    }
+    for &s in path {
+        let mut update = kept.0.remove(&s).unwrap_or_default();
         update.resize(structure.rows(s).len().pow(2), 0.0);
-        let child = |child: &usize| Child {
-            runs: Runs::new(structure.places(*child), structure.width(s)),
-            update: &kept.updates[child],
-        };
-        let children = structure.children(s);
-        let children: Vec<Child> = children.iter().map(child).collect();
+        let children = structure.children(s).into_iter();
+        let children: Vec<Child> = children
+            .map(|child| numeric.child(child, s, &kept.0[&child]))
+            .collect();
         let mut memory = MemBuffer::new(front.scratch(structure.width(s)));
         let own = &mut values[front.start(s)..front.start(s + 1)];
         front.eliminate(s, own, &children, &mut update, MemStack::new(&mut memory))?;
-        kept.updates.insert(s, update);
+        kept.0.insert(s, update);
     }
     Ok(())
 }
@@ -159,7 +140,8 @@ struct Numeric<'a, F> {
     /// Work of the smallest subtree that is looked into for more tasks.
     least: f64,
     pool: &'a Pool,
-    again: &'a [usize],
+    /// What their children pass up is kept; ascending.
+    parents: &'a [usize],
     kept: Mutex<BTreeMap<usize, Vec<f64>>>,
 }
 
@@ -197,6 +179,11 @@ impl Pool {
         vector
     }
 
+    /// Gives all of it back.
+    pub fn clear(&self) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    }
+
     fn give(&self, vector: Vec<f64>) {
         let mut free = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let at = free.partition_point(|other| other.capacity() < vector.capacity());
@@ -204,10 +191,36 @@ impl Pool {
     }
 }
 
-impl<F: Front> Numeric<'_, F> {
-    /// Neighbouring subtrees, whose entries of L are `values`.
-    fn subtrees(&self, roots: &[usize], values: &mut [f64]) -> Result<Vec<Update>, NotPositive> {
-        let tasks = self.split(roots, values);
+impl<'a, F: Front> Numeric<'a, F> {
+    fn new(
+        structure: &'a Supernodes,
+        front: &'a F,
+        pool: &'a Pool,
+        parents: &'a [usize],
+    ) -> Numeric<'a, F> {
+        Numeric {
+            structure,
+            front,
+            least: LEAST_WORK.max(SHARE * structure.total_flops()),
+            pool,
+            parents,
+            kept: Mutex::default(),
+        }
+    }
+
+    fn kept(self) -> Kept {
+        let kept = self.kept.into_inner();
+        Kept(kept.unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Subtrees in ascending order; `values` begins at number `offset`.
+    fn subtrees(
+        &self,
+        roots: &[usize],
+        values: &mut [f64],
+        offset: usize,
+    ) -> Result<Vec<Update>, NotPositive> {
+        let tasks = self.split(roots, values, offset);
         let done: Vec<Result<Update, NotPositive>> = (tasks.into_par_iter())
             .map(|(root, values)| self.subtree(root, values))
             .collect();
@@ -215,12 +228,19 @@ impl<F: Front> Numeric<'_, F> {
         done.into_iter().collect()
     }
 
-    fn split<'v>(&self, roots: &[usize], mut values: &'v mut [f64]) -> Vec<(usize, &'v mut [f64])> {
+    /// The numbers of each of some subtrees in ascending order; `values` begins at number `offset`.
+    fn split<'v>(
+        &self,
+        roots: &[usize],
+        mut values: &'v mut [f64],
+        mut offset: usize,
+    ) -> Vec<(usize, &'v mut [f64])> {
         let share = |&root: &usize| {
-            let subtree = self.structure.subtree(root);
-            let entries = self.front.start(root + 1) - self.front.start(subtree.start);
-            let (own, rest) = std::mem::take(&mut values).split_at_mut(entries);
-            values = rest;
+            let begin = self.front.start(self.structure.subtree(root).start);
+            let end = self.front.start(root + 1);
+            let rest = &mut std::mem::take(&mut values)[begin - offset..];
+            let (own, rest) = rest.split_at_mut(end - begin);
+            (values, offset) = (rest, end);
             (root, own)
         };
         roots.iter().map(share).collect()
@@ -235,11 +255,12 @@ impl<F: Front> Numeric<'_, F> {
         let (mut top, mut values) = (root, values);
         loop {
             let children = self.structure.children(top);
+            let offset = self.front.start(self.structure.subtree(top).start);
             let below = values.len() - self.numbers(top);
             let (subtrees, block) = values.split_at_mut(below);
             let large = |&c: &usize| self.structure.subtree_flops(c) >= self.least;
             if children.iter().filter(|c| large(c)).count() != 1 {
-                let updates = self.subtrees(&children, subtrees)?;
+                let updates = self.subtrees(&children, subtrees, offset)?;
                 let mut update = self.front(top, block, updates)?;
                 while let Some(link) = chain.pop() {
                     let mut updates = link.before;
@@ -250,7 +271,7 @@ impl<F: Front> Numeric<'_, F> {
                 return Ok(update);
             }
             let at = children.iter().position(large).expect("there is one");
-            let mut parts = self.split(&children, subtrees);
+            let mut parts = self.split(&children, subtrees, offset);
             let after = parts.split_off(at + 1);
             let (next, part) = parts.pop().expect("there is one");
             let side = |parts: Vec<(usize, &mut [f64])>| -> Result<Vec<Update>, NotPositive> {
@@ -311,7 +332,7 @@ impl<F: Front> Numeric<'_, F> {
     /// Whether what a supernode passes up is needed once more.
     fn is_kept(&self, s: usize) -> bool {
         let parent = self.structure.parent(s);
-        parent.is_some_and(|parent| self.again.binary_search(&parent).is_ok())
+        parent.is_some_and(|parent| self.parents.binary_search(&parent).is_ok())
     }
 
     fn keep(&self, s: usize, update: Vec<f64>) {

@@ -61,19 +61,7 @@ impl Supernodes {
     /// `pattern`: lower triangle of K, two dofs to a node, columns sorted. `order`: the nodes as they are to
     /// be eliminated; subtrees may be reordered.
     pub fn new(pattern: SymbolicSparseColMatRef<'_, u32>, order: &[u32]) -> Supernodes {
-        Supernodes::with_last(pattern, order, &[])
-    }
-
-    /// The same with some of the nodes eliminated last, in supernodes of their own.
-    pub fn with_last(
-        pattern: SymbolicSparseColMatRef<'_, u32>,
-        order: &[u32],
-        last: &[u32],
-    ) -> Supernodes {
-        let mut is_last = vec![false; order.len()];
-        last.iter().for_each(|&node| is_last[node as usize] = true);
-        let first = order.iter().filter(|&&node| !is_last[node as usize]);
-        let mut order: Vec<u32> = first.chain(last).copied().collect();
+        let mut order = order.to_vec();
         let mut below = below(pattern, &inverse(&order));
         let mut parent = elimination_tree::parents(&below);
         let post = elimination_tree::postorder(&parent);
@@ -83,8 +71,7 @@ impl Supernodes {
             parent = elimination_tree::parents(&below);
         }
         let counts = elimination_tree::column_counts(&below, &parent);
-        let is_last: Vec<bool> = order.iter().map(|&node| is_last[node as usize]).collect();
-        let tree = Tree::fundamental(&parent, &counts, &is_last).amalgamated();
+        let tree = Tree::fundamental(&parent, &counts).amalgamated();
         let mut supernodes = tree.supernodes(&order, &below);
         supernodes.find_places();
         supernodes.find_sources(pattern);
@@ -353,17 +340,14 @@ struct Tree {
     columns: Vec<Vec<Range<u32>>>,
     width: Vec<u32>,
     below: Vec<u32>,
-    /// Whether it is of the nodes that stay last.
-    is_last: Vec<bool>,
 }
 
 impl Tree {
     /// Chains of columns of which each has the rows of the next, and the next itself.
-    fn fundamental(parent: &[u32], counts: &[u32], is_last: &[bool]) -> Tree {
+    fn fundamental(parent: &[u32], counts: &[u32]) -> Tree {
         let n = parent.len();
         let mut tree = Tree {
             parent: Vec::new(),
-            is_last: Vec::new(),
             columns: Vec::new(),
             width: Vec::new(),
             below: Vec::new(),
@@ -372,12 +356,8 @@ impl Tree {
         let mut begin = 0;
         for j in 0..n {
             supernode_of[j] = tree.width.len() as u32;
-            let ends = j + 1 == n
-                || parent[j] as usize != j + 1
-                || counts[j] != counts[j + 1] + 1
-                || is_last[j] != is_last[j + 1];
-            if ends {
-                tree.is_last.push(is_last[j]);
+            let last = j + 1 == n || parent[j] as usize != j + 1 || counts[j] != counts[j + 1] + 1;
+            if last {
                 let columns = begin as u32..j as u32 + 1;
                 tree.columns.push(std::iter::once(columns).collect());
                 tree.width.push((j + 1 - begin) as u32);
@@ -420,8 +400,7 @@ impl Tree {
                 let apart =
                     cost(self.width[child], self.below[child]) + cost(self.width[p], self.below[p]);
                 let width = self.width[child] + self.width[p];
-                let is_apart = self.is_last[child] != self.is_last[p];
-                if is_apart || cost(width, self.below[p]) > apart {
+                if cost(width, self.below[p]) > apart {
                     kept.push(c);
                     continue;
                 }
@@ -466,7 +445,6 @@ impl Tree {
             parent: post.iter().map(|&k| up(k)).collect(),
             width: post.iter().map(|k| self.width[old(k)]).collect(),
             below: post.iter().map(|k| self.below[old(k)]).collect(),
-            is_last: post.iter().map(|k| self.is_last[old(k)]).collect(),
             columns: post
                 .iter()
                 .map(|k| std::mem::take(&mut self.columns[old(k)]))

@@ -377,7 +377,7 @@ impl Writer<'_, '_> {
             }
         };
         let checkpoint = response
-            .is_reproducible(problem, state)
+            .is_reproducible()
             .then(|| self.chronicle.checkpoint(state));
         self.give(Order {
             line: Some((self.chronicle.csv(&line), line)),

@@ -13,7 +13,6 @@ use crate::linear_solver::{Factor, Method, SolverError, cholesky, expected_facto
 use crate::model::Model;
 use crate::phases::Phases;
 use crate::springs::Springs;
-use std::sync::{Arc, Mutex, PoisonError};
 
 pub(super) enum Structure {
     Symmetric {
@@ -24,55 +23,13 @@ pub(super) enum Structure {
     Full {
         equations: Vec<Equations>,
         pattern: FullPattern,
-        analysis: Analysis<lu::Symbolic>,
+        symbolic: lu::Symbolic,
     },
-}
-
-/// The structure of the factors, for the nodes that are eliminated last.
-pub(super) struct Analysis<S> {
-    /// The nodes as they are eliminated otherwise.
-    order: Vec<u32>,
-    current: Mutex<(Vec<u32>, Arc<S>)>,
-    /// With none of them last.
-    counts: Counts,
-}
-
-#[derive(Clone, Copy, Default)]
-struct Counts {
-    entries: usize,
-    waiting: usize,
-    flops: f64,
-}
-
-impl<S> Analysis<S> {
-    fn new(order: Vec<u32>, symbolic: S, counts: impl Fn(&S) -> Counts) -> Analysis<S> {
-        Analysis {
-            order,
-            counts: counts(&symbolic),
-            current: Mutex::new((Vec::new(), Arc::new(symbolic))),
-        }
-    }
-
-    /// `analyse`: from the one before, with the order and the nodes that are last.
-    fn of(
-        &self,
-        last: &[u32],
-        phases: &mut Phases,
-        analyse: impl FnOnce(&S, &[u32], &[u32]) -> S,
-    ) -> Arc<S> {
-        let mut current = self.current.lock().unwrap_or_else(PoisonError::into_inner);
-        if current.0 != last {
-            let symbolic =
-                phases.measure("symbolic", || analyse(&current.1, &self.order, last));
-            *current = (last.to_vec(), Arc::new(symbolic));
-        }
-        current.1.clone()
-    }
 }
 
 /// How a symmetric K is solved with.
 pub(super) enum Way {
-    Direct(Analysis<cholesky::Symbolic>),
+    Direct(cholesky::Symbolic),
     /// The cells of the nodes in which they may share an aggregate.
     TwoLevel(Vec<u32>),
 }
@@ -95,13 +52,8 @@ impl Structure {
             let way = match method.unwrap_or_else(|| Method::choose(&pattern.graph)) {
                 Method::Direct => {
                     let order = phases.measure("ordering", || order(&pattern.graph))?;
-                    let symbolic = phases.measure("symbolic", || {
+                    Way::Direct(phases.measure("symbolic", || {
                         cholesky::Symbolic::with_order(pattern.symbolic(), &order)
-                    });
-                    Way::Direct(Analysis::new(order, symbolic, |symbolic| Counts {
-                        entries: symbolic.factor_entries(),
-                        waiting: symbolic.waiting_entries(),
-                        flops: symbolic.flops(),
                     }))
                 }
                 Method::TwoLevel => Way::TwoLevel(cells::cells(model)),
@@ -121,15 +73,10 @@ impl Structure {
         let symbolic = phases.measure("symbolic", || {
             lu::Symbolic::new(pattern.symbolic(), pattern.symmetrised().as_ref(), &order)
         });
-        let analysis = Analysis::new(order, symbolic, |symbolic| Counts {
-            entries: symbolic.factor_entries(),
-            waiting: symbolic.waiting_entries(),
-            flops: symbolic.flops(),
-        });
         Ok(Structure::Full {
             equations,
             pattern,
-            analysis,
+            symbolic,
         })
     }
 
@@ -179,8 +126,8 @@ impl Structure {
         }
     }
 
-    /// What to solve with, given which dofs are held. `last`: nodes between which K may change before
-    /// the next factorisation.
+    /// What to solve with, given which dofs are held. `likely`: nodes near which K will change, if it is to be
+    /// followed.
     ///
     /// # Errors
     /// [`SolverError::NotPositiveDefinite`] or [`SolverError::Singular`] for a mechanism,
@@ -190,25 +137,16 @@ impl Structure {
         positions: &[[f64; 2]],
         stiffness: &Stiffness,
         held: Held,
-        last: &[u32],
-        phases: &mut Phases,
+        likely: &[u32],
     ) -> Result<Factor, SolverError> {
         match (self, stiffness) {
             (
                 Structure::Symmetric {
-                    way: Way::Direct(analysis),
-                    pattern,
+                    way: Way::Direct(symbolic),
                     ..
                 },
                 Stiffness::Symmetric(lower),
-            ) => {
-                let symbolic = analysis.of(last, phases, |before, order, last| {
-                    before.again_with_last(pattern.symbolic(), order, last)
-                });
-                phases.measure("factorisation", || {
-                    symbolic.factorise_held(lower, held).map(Factor::Cholesky)
-                })
-            }
+            ) => (symbolic.factorise_held(lower, held, likely)).map(Factor::Cholesky),
             (
                 Structure::Symmetric {
                     way: Way::TwoLevel(cells),
@@ -216,32 +154,25 @@ impl Structure {
                     ..
                 },
                 Stiffness::Symmetric(lower),
-            ) => phases.measure("factorisation", || {
-                let solver = TwoLevel::new(lower, &pattern.graph, cells, positions, held.dofs);
-                Ok(Factor::TwoLevel(Box::new(solver?)))
-            }),
-            (
-                Structure::Full {
-                    analysis, pattern, ..
-                },
-                Stiffness::Full(full),
-            ) => {
-                let symbolic = analysis.of(last, phases, |_, order, last| {
-                    let lower = pattern.symmetrised();
-                    lu::Symbolic::with_last(pattern.symbolic(), lower.as_ref(), order, last)
-                });
-                phases.measure("factorisation", || {
-                    let factor = symbolic.factorise_held(full, held)?;
-                    Ok(Factor::Lu(Box::new(factor)))
-                })
-            }
+            ) => TwoLevel::new(lower, &pattern.graph, cells, positions, held.dofs)
+                .map(|solver| Factor::TwoLevel(Box::new(solver))),
+            (Structure::Full { symbolic, .. }, Stiffness::Full(full)) => symbolic
+                .factorise_held(full, held, likely)
+                .map(|factor| Factor::Lu(Box::new(factor))),
             _ => unreachable!("a structure assembles its own form"),
         }
     }
 
-    /// The mean diagonal of K with all springs: its scale [N/m].
+    /// Who shares stiffness with whom.
+    pub(super) fn graph(&self) -> &Lists {
+        match self {
+            Structure::Symmetric { pattern, .. } => &pattern.graph,
+            Structure::Full { pattern, .. } => &pattern.graph,
+        }
+    }
+
+    /// Some mean of K's diagonal, the same whatever has broken: its scale [N/m].
     pub(super) fn mean_diagonal(&self, springs: &Springs, dofs: usize) -> f64 {
-        // The squares of w of a spring between two nodes are two in sum, and some one and a half otherwise.
         let of_springs: f64 = springs.stiffness.iter().map(|k| 2.0 * k).sum();
         let own: f64 = match self {
             Structure::Symmetric { elements, .. } => {
@@ -270,32 +201,29 @@ impl Structure {
         }
     }
 
-    /// Of the factors, or of L and U as long as pivots stay within their supernodes; nothing where there
+    /// Stored entries of L, or of L and U as long as pivots stay within their supernodes; zero where there
     /// is none.
-    fn counts(&self) -> Counts {
+    pub(super) fn factor_entries(&self) -> usize {
         match self {
             Structure::Symmetric {
-                way: Way::Direct(analysis),
+                way: Way::Direct(symbolic),
                 ..
-            } => analysis.counts,
-            Structure::Symmetric { .. } => Counts::default(),
-            Structure::Full { analysis, .. } => analysis.counts,
+            } => symbolic.factor_entries(),
+            Structure::Symmetric { .. } => 0,
+            Structure::Full { symbolic, .. } => symbolic.factor_entries(),
         }
     }
 
-    /// Stored entries.
-    pub(super) fn factor_entries(&self) -> usize {
-        self.counts().entries
-    }
-
-    /// Entries that a factorisation holds beside those.
+    /// Entries that a factorisation holds beside those of its factors.
     pub(super) fn waiting_entries(&self) -> usize {
-        self.counts().waiting
-    }
-
-    /// Multiplications and additions of a factorisation.
-    pub(super) fn flops(&self) -> f64 {
-        self.counts().flops
+        match self {
+            Structure::Symmetric {
+                way: Way::Direct(symbolic),
+                ..
+            } => symbolic.waiting_entries(),
+            Structure::Symmetric { .. } => 0,
+            Structure::Full { symbolic, .. } => symbolic.waiting_entries(),
+        }
     }
 
     /// What L of the coarse level may have: a guess, aggregates being all connected to those around them.
@@ -311,6 +239,18 @@ impl Structure {
         let aggregates = cells.iter().enumerate().filter(is_first).count();
         // Eight around each, four dofs for two.
         (4.0 * expected_factor_entries(aggregates, 8 * aggregates)) as usize
+    }
+
+    /// Multiplications and additions of a factorisation, under the same condition.
+    pub(super) fn flops(&self) -> f64 {
+        match self {
+            Structure::Symmetric {
+                way: Way::Direct(symbolic),
+                ..
+            } => symbolic.flops(),
+            Structure::Symmetric { .. } => 0.0,
+            Structure::Full { symbolic, .. } => symbolic.flops(),
+        }
     }
 }
 

@@ -519,7 +519,9 @@ fn pair_block([a, b]: [u32; 2], stiffness: f64, positions: &[[f64; 2]]) -> [f64;
 }
 
 fn add_to(sum: &mut [f64; 3], block: [f64; 3]) {
-    sum.iter_mut().zip(block).for_each(|(sum, share)| *sum += share);
+    sum.iter_mut()
+        .zip(block)
+        .for_each(|(sum, share)| *sum += share);
 }
 
 /// The two columns of one node while they are gathered.

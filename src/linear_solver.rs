@@ -102,8 +102,7 @@ impl Factor {
     /// False where there is no such way.
     ///
     /// # Errors
-    /// [`SolverError::NotPositiveDefinite`]: these are no factors any more, until they have followed a
-    /// change of at least the same nodes.
+    /// [`SolverError::NotPositiveDefinite`]: these are no factors until they have followed another change.
     pub fn refactorise(
         &mut self,
         stiffness: &Stiffness,

@@ -212,7 +212,14 @@ impl<'a> Solver<'a> {
         let system = self.system(intact, pinned, &BTreeSet::new(), phases);
         let factor = self.factorise(&system, &[], phases);
         let factor = factor.map_err(|error| self.locate(error))?;
-        self.finish(&system, &system.case(self.boundary), &factor, None, None, phases)
+        self.finish(
+            &system,
+            &system.case(self.boundary),
+            &factor,
+            None,
+            None,
+            phases,
+        )
     }
 
     /// The same for a body in which bonds break, under each of `cases`, which prescribe displacements
@@ -233,7 +240,8 @@ impl<'a> Solver<'a> {
         phases: &mut Phases,
     ) -> Result<Vec<Solution>, StaticsError> {
         let factorised = self.factorise_broken(intact, pinned, mechanisms, phases)?;
-        let solve = |case: &&Boundary| self.solve_with(&factorised, case, None, None, mechanisms, phases);
+        let solve =
+            |case: &&Boundary| self.solve_with(&factorised, case, None, None, mechanisms, phases);
         cases.iter().map(solve).collect()
     }
 
@@ -250,7 +258,10 @@ impl<'a> Solver<'a> {
     ) -> Result<Factorised, StaticsError> {
         // Bonds will break near those that are gone.
         let gone = (0..intact.len()).filter(|&spring| !intact[spring]);
-        let likely: Vec<u32> = gone.flat_map(|s| self.model.springs.nodes(s)).copied().collect();
+        let likely: Vec<u32> = gone
+            .flat_map(|s| self.model.springs.nodes(s))
+            .copied()
+            .collect();
         loop {
             let system = self.system(intact, pinned, mechanisms, phases);
             match self.factorise(&system, &likely, phases) {
@@ -298,7 +309,8 @@ impl<'a> Solver<'a> {
         });
         let is_free = |node: &usize| [0, 1].iter().any(|axis| !system.is_held[2 * node + axis]);
         let new: Vec<usize> = pinned.iter().flatten().copied().filter(is_free).collect();
-        new.iter().for_each(|&node| self.add_around(&mut changed, node));
+        new.iter()
+            .for_each(|&node| self.add_around(&mut changed, node));
         system.pin(pinned);
         loop {
             let held = Held {
@@ -314,6 +326,7 @@ impl<'a> Solver<'a> {
                 // The set grows with every turn, so that the loop ends.
                 Err(SolverError::NotPositiveDefinite { dof }) if mechanisms.insert(dof) => {
                     system.is_held[dof] = true;
+                    changed.clear();
                     self.add_around(&mut changed, dof / 2);
                 }
                 Err(error) => return Err(self.locate(error)),
@@ -408,14 +421,17 @@ impl<'a> Solver<'a> {
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
         let goal = goal.unwrap_or_else(|| residual_goal(factor.method()));
-        let (displacement, residual) =
-            phases.measure("solution", || system.solve(case, factor, guess, goal));
+        let Solved {
+            displacement,
+            force,
+            residual,
+        } = phases.measure("solution", || system.solve(case, factor, guess, goal));
         let mut size = self.size();
         if let Factor::TwoLevel(solver) = factor {
             size.factor_entries = solver.coarse_entries();
         }
         let solution = Solution {
-            reaction: system.reaction(case, &displacement),
+            reaction: case.reaction(&force),
             displacement: vectors(&displacement),
             residual,
             size,
@@ -524,17 +540,6 @@ impl Factorised {
         clear(forces);
     }
 
-    /// How K⁻¹ answers to what springs that are gone would exert under these elongations [m].
-    pub fn respond_to_loss(&self, model: &Model, gone: &[(usize, f64)]) -> Vec<f64> {
-        let mut change = vec![0.0; self.dofs()];
-        for &(spring, elongation) in gone {
-            let force = model.springs.stiffness[spring] * elongation;
-            add_spring_force(&mut change, model, spring, force);
-        }
-        self.respond(&mut change, 1);
-        change
-    }
-
     /// ‖f‖₂ of a case over the free dofs, prescribed displacements in f [N].
     pub fn scale(&self, case: &Boundary) -> f64 {
         self.system.scale(&self.system.case(case))
@@ -622,6 +627,16 @@ struct Case<'a> {
     own_share: &'a BTreeMap<usize, f64>,
 }
 
+/// Dof by dof.
+struct Solved {
+    /// [m].
+    displacement: Vec<f64>,
+    /// K u [N].
+    force: Vec<f64>,
+    /// Relative.
+    residual: f64,
+}
+
 impl System {
     fn new(
         stiffness: Stiffness,
@@ -668,56 +683,58 @@ impl System {
         }
     }
 
-    /// The displacements, dof by dof [m], and the relative residual.
-    fn solve(
-        &self,
-        case: &Case,
-        factor: &Factor,
-        guess: Option<&[[f64; 2]]>,
-        goal: f64,
-    ) -> (Vec<f64>, f64) {
-        let mut u: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
-        let mut residual = self.residual(case, &u);
-        let scale = norm(&residual);
+    fn solve(&self, case: &Case, factor: &Factor, guess: Option<&[[f64; 2]]>, goal: f64) -> Solved {
+        let prescribed: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
+        let (mut found, mut residual) = self.at(case, prescribed);
+        let scale = found.residual;
         if scale == 0.0 {
-            return (u, 0.0);
+            return found;
         }
         if let (Some(guess), Factor::TwoLevel(_)) = (guess, factor) {
+            let mut u = found.displacement;
             let free = u.iter_mut().zip(guess.as_flattened()).zip(&self.is_held);
             let free = free.filter(|(_, held)| !**held);
             free.for_each(|((u, guess), _)| *u = *guess);
-            residual = self.residual(case, &u);
+            (found, residual) = self.at(case, u);
         }
-        let mut relative = norm(&residual) / scale;
+        found.residual /= scale;
         for turn in 0..=MOST_REFINEMENTS {
-            if relative < goal {
+            if found.residual < goal {
                 break;
             }
             let mut correction = residual;
             factor.solve_in_place(&mut correction, 0.5 * goal * scale);
-            let refined: Vec<f64> = u.iter().zip(&correction).map(|(u, c)| u + c).collect();
-            residual = self.residual(case, &refined);
-            let now = norm(&residual) / scale;
+            let u = found.displacement.iter().zip(&correction);
+            let (mut refined, rest) = self.at(case, u.map(|(u, c)| u + c).collect());
+            refined.residual /= scale;
+            residual = rest;
             // Also false for a residual that is not a number: the check that follows reports it.
-            let better = now < relative;
+            let better = refined.residual < found.residual;
             if better || turn == 0 {
-                (u, relative) = (refined, now);
+                found = refined;
             }
             if !better {
                 break;
             }
         }
-        (u, relative)
+        found
+    }
+
+    /// Displacements with K u and ‖f − K u‖₂ [N], and f − K u at free dofs.
+    fn at(&self, case: &Case, displacement: Vec<f64>) -> (Solved, Vec<f64>) {
+        let force = self.stiffness.multiply(&displacement);
+        let residual = case.residual(&force);
+        let solved = Solved {
+            displacement,
+            force,
+            residual: norm(&residual),
+        };
+        (solved, residual)
     }
 
     /// f − K u at free dofs, zero at prescribed ones [N].
     fn residual(&self, case: &Case, u: &[f64]) -> Vec<f64> {
         case.residual(&self.stiffness.multiply(u))
-    }
-
-    /// K u − f at prescribed dofs, by node [N].
-    fn reaction(&self, case: &Case, u: &[f64]) -> Vec<[f64; 2]> {
-        case.reaction(&self.stiffness.multiply(u))
     }
 
     /// ‖f‖₂ over the free dofs, prescribed displacements in f [N].

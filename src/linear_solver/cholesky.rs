@@ -173,8 +173,7 @@ impl Factor {
     /// the multiplications and additions above these nodes.
     ///
     /// # Errors
-    /// [`SolverError::NotPositiveDefinite`]: this is no factor any more, until it has followed a change of at
-    /// least the same nodes.
+    /// [`SolverError::NotPositiveDefinite`]: this is no factor until it has followed another change.
     pub fn refactorise(
         &mut self,
         matrix: &LowerMatrix,

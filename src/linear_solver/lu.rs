@@ -18,6 +18,7 @@ use super::partial_pivoting::{self, MOST_GROWTH, norm, random};
 use super::supernodes::Supernodes;
 use super::triangular::{self, Factors, pivoted_start};
 use crate::assembly::full::{FullMatrix, mean_diagonal};
+use crate::assembly::stiffness::hold;
 use faer::dyn_stack::{MemStack, StackReq};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::linalg::matmul::matmul;
@@ -96,7 +97,9 @@ impl Symbolic {
         if factor.is_sound(matrix, held) {
             return Ok(Factor(Kind::Own(Box::new(factor))));
         }
-        self.factorise_with_all_rows(&hold(matrix, held))
+        let mut matrix = matrix.clone();
+        hold(matrix.parts_mut(), |dof| held.holds(dof), held.diagonal);
+        self.factorise_with_all_rows(&matrix)
     }
 
     /// The same with all rows to choose pivots from, on one thread.
@@ -226,23 +229,6 @@ impl Own {
         // False for what is not a number.
         size / norm(&b) < MOST_GROWTH && norm(&rest) < MOST_LEFT * size
     }
-}
-
-/// The matrix with some dofs held, on its own pattern.
-fn hold(matrix: &FullMatrix, held: Held) -> FullMatrix {
-    let mut matrix = matrix.clone();
-    let (symbolic, values) = matrix.parts_mut();
-    for column in 0..symbolic.ncols() {
-        let range = symbolic.col_range(column);
-        let rows = symbolic.row_idx_of_col_raw(column);
-        for (&row, value) in rows.iter().zip(&mut values[range]) {
-            if held.holds(column) || held.holds(row as usize) {
-                let is_diagonal = row as usize == column;
-                *value = if is_diagonal { held.diagonal } else { 0.0 };
-            }
-        }
-    }
-    matrix
 }
 
 /// Two rows and two columns of K in a front.

@@ -65,9 +65,14 @@ pub struct Child<'a> {
     pub update: &'a [f64],
 }
 
-/// What some supernodes pass up, for when their parents are factorised anew.
+/// What it takes to factorise some supernodes anew.
 #[derive(Clone, Debug, Default)]
-pub struct Kept(BTreeMap<usize, Vec<f64>>);
+pub struct Kept {
+    /// What their children pass up.
+    updates: BTreeMap<usize, Vec<f64>>,
+    /// Those that a pivot has left undone, ascending.
+    undone: Vec<usize>,
+}
 
 /// Fills the numbers of all supernodes; keeps what the children of some of them pass up.
 ///
@@ -91,7 +96,7 @@ pub fn factorise(
 /// kept from now on.
 ///
 /// # Errors
-/// [`NotPositive`]: the path from there on has to be filled before this is a factor again.
+/// [`NotPositive`]: what is left of the path is done by the next call.
 pub fn refactorise(
     structure: &Supernodes,
     front: &impl Front,
@@ -100,27 +105,36 @@ pub fn refactorise(
     kept: &mut Kept,
     path: &[usize],
 ) -> Result<(), NotPositive> {
+    let mut path = [path, &std::mem::take(&mut kept.undone)].concat();
+    path.sort_unstable();
+    path.dedup();
+    let updates = &mut kept.updates;
     let children = path.iter().flat_map(|&s| structure.children_from_last(s));
-    let is_missing = |s: &usize| !kept.0.contains_key(s) && path.binary_search(s).is_err();
+    let is_missing = |s: &usize| !updates.contains_key(s) && path.binary_search(s).is_err();
     let mut missing: Vec<usize> = children.filter(is_missing).collect();
     missing.sort_unstable();
     let numeric = Numeric::new(structure, front, pool, &[]);
     for update in numeric.subtrees(&missing, values, 0)? {
         // Not with the room that it may have beyond its end.
-        kept.0.insert(update.supernode, update.values.as_slice().into());
+        updates.insert(update.supernode, update.values.as_slice().into());
         pool.give(update.values);
     }
-    for &s in path {
-        let mut update = kept.0.remove(&s).unwrap_or_default();
+    for (k, &s) in path.iter().enumerate() {
+        let mut update = updates.remove(&s).unwrap_or_default();
         update.resize(structure.rows(s).len().pow(2), 0.0);
         let children = structure.children(s).into_iter();
         let children: Vec<Child> = children
-            .map(|child| numeric.child(child, s, &kept.0[&child]))
+            .map(|child| numeric.child(child, s, &updates[&child]))
             .collect();
         let mut memory = MemBuffer::new(front.scratch(structure.width(s)));
+        let memory = MemStack::new(&mut memory);
         let own = &mut values[front.start(s)..front.start(s + 1)];
-        front.eliminate(s, own, &children, &mut update, MemStack::new(&mut memory))?;
-        kept.0.insert(s, update);
+        let done = front.eliminate(s, own, &children, &mut update, memory);
+        updates.insert(s, update);
+        if done.is_err() {
+            kept.undone = path[k..].to_vec();
+            return done;
+        }
     }
     Ok(())
 }
@@ -181,7 +195,10 @@ impl Pool {
 
     /// Gives all of it back.
     pub fn clear(&self) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        self.0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clear();
     }
 
     fn give(&self, vector: Vec<f64>) {
@@ -209,8 +226,11 @@ impl<'a, F: Front> Numeric<'a, F> {
     }
 
     fn kept(self) -> Kept {
-        let kept = self.kept.into_inner();
-        Kept(kept.unwrap_or_else(PoisonError::into_inner))
+        let updates = self.kept.into_inner();
+        Kept {
+            updates: updates.unwrap_or_else(PoisonError::into_inner),
+            undone: Vec::new(),
+        }
     }
 
     /// Subtrees in ascending order; `values` begins at number `offset`.

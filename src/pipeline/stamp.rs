@@ -27,7 +27,7 @@ impl Stage {
     fn version(self) -> u32 {
         match self {
             Stage::Mesh => 1,
-            Stage::Solve => 6,
+            Stage::Solve => 7,
             Stage::Output => 2,
         }
     }

@@ -132,7 +132,7 @@ fn cholesky_has_the_bits_of_a_whole_factorisation() {
             let flops = factor.refactorise(&k, body.held(), &nodes);
             let flops = flops.expect("it is held");
             // A path to the root is a small part of the tree.
-            assert!(flops < 0.4 * own.flops(), "{flops:e} of {:e}", own.flops());
+            assert!(flops < 0.5 * own.flops(), "{flops:e} of {:e}", own.flops());
             let again = other.factorise_held(&whole, body.held(), &[]);
             let [mut x, mut expected] = [load(k.ncols()), load(k.ncols())];
             factor.solve_in_place(&mut x);

@@ -10,29 +10,34 @@
 //!
 //! - [`library`]: where the shared library is sought.
 //! - [`geo_script`]: which parameters a `.geo` offers, and which files it depends upon.
+//! - [`parameter`]: what a parameter may be.
 //! - [`extract`]: the physical groups that Gmsh delivered, as they are cached.
 //! - [`to_mesh`]: the checks and the conversion to metres.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::os::unix::process::ExitStatusExt;
+use std::io;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::time::{Duration, Instant};
+use std::process::Command;
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::child::{self, ChildError, End, describe, last_lines};
+
 pub mod extract;
 mod ffi;
 pub mod geo_script;
+pub mod guard;
 pub mod library;
+pub mod parameter;
+mod sandbox;
 pub mod to_mesh;
 mod worker;
 
-pub use extract::{Block, Extract, Group};
+pub use extract::{Block, Extract, Group, Origin};
 pub use geo_script::{GeoScript, ScriptError};
+use guard::Deed;
 pub use to_mesh::ExtractError;
 pub use worker::{Message, worker_main};
 
@@ -41,19 +46,30 @@ pub const WORKER_COMMAND: &str = "mesh-worker";
 
 /// Extensions of the files that Gmsh has to mesh.
 const GEOMETRIES: [&str; 5] = ["geo", "geo_unrolled", "brep", "step", "stp"];
-/// How many of the log's last lines an error keeps.
-const LOG_LINES: usize = 20;
-/// How much of the log's end is read to find them [bytes].
-const LOG_TAIL: u64 = 64 * 1024;
-/// How often the worker is looked at.
-const POLL: Duration = Duration::from_millis(5);
 
 /// A value for a parameter of the geometry.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
 pub enum Value {
     Number(f64),
     Text(String),
+}
+
+impl Value {
+    pub fn number(self) -> Option<f64> {
+        match self {
+            Value::Number(number) => Some(number),
+            Value::Text(_) => None,
+        }
+    }
+}
+
+impl std::fmt::Display for Value {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Value::Number(number) => write!(f, "{number}"),
+            Value::Text(text) => write!(f, "'{text}'"),
+        }
+    }
 }
 
 impl From<f64> for Value {
@@ -77,6 +93,8 @@ pub struct Options {
     pub library: Option<PathBuf>,
     /// Time after which the worker is killed.
     pub time_limit: Duration,
+    /// Let a script run programs and write files.
+    pub trust: bool,
 }
 
 impl Default for Options {
@@ -85,6 +103,7 @@ impl Default for Options {
             worker: None,
             library: None,
             time_limit: Duration::from_secs(600),
+            trust: false,
         }
     }
 }
@@ -103,6 +122,8 @@ pub enum GmshError {
     PathNotText { file: PathBuf },
     #[error(transparent)]
     Script(#[from] ScriptError),
+    #[error("{}:{}: {}, and a geometry may only draw", .0.file.display(), .0.line, .0.what)]
+    Deed(Deed),
     #[error("{} has no parameter '{name}'{}", .file.display(), unknown_hint(.nearest, .available))]
     UnknownParameter {
         file: PathBuf,
@@ -122,7 +143,7 @@ pub enum GmshError {
     ParameterValue {
         file: PathBuf,
         name: String,
-        expected: &'static str,
+        expected: String,
         given: String,
     },
     #[error(
@@ -156,6 +177,11 @@ pub enum GmshError {
         limit: Duration,
         log: Vec<String>,
     },
+    #[error(
+        "Gmsh wrote more than {} MB of messages about {} and was stopped; the last:{}",
+        child::LONGEST_LOG / 1_000_000, .geometry.display(), lines(.log)
+    )]
+    Flood { geometry: PathBuf, log: Vec<String> },
     #[error("cannot run the mesh worker: {action}: {source}")]
     Worker {
         action: &'static str,
@@ -177,6 +203,9 @@ pub fn mesh(
     }
     let mesh_dimension = mesh_dimension(geometry)?;
     let script = read_script(geometry)?;
+    if let (false, Some(deed)) = (options.trust, first_deed(script.as_ref())) {
+        return Err(GmshError::Deed(deed));
+    }
     check_parameters(geometry, script.as_ref(), parameters)?;
     let libraries = libraries(options)?;
     let folder = tempfile::tempdir().map_err(worker_error("create a temporary folder"))?;
@@ -184,31 +213,52 @@ pub fn mesh(
         geometry: absolute_text(geometry)?,
         mesh_dimension,
         arguments: arguments(parameters),
+        parameters: script
+            .iter()
+            .flat_map(|script| script.parameters.keys().cloned())
+            .collect(),
         libraries,
         outcome: folder.path().join("outcome"),
+        trust: options.trust,
     };
     let log_file = folder.path().join("log");
     let end = run_worker(&request, &log_file, options)?;
     let log = last_lines(&log_file);
     let mut extract = conclude(geometry, &request, end, log, options.time_limit)?;
-    extract
-        .warnings
-        .extend(script.into_iter().flat_map(|script| script.warnings));
+    if let Some(script) = script {
+        add_known_values(&mut extract.parameters, &script, parameters);
+        extract.warnings.extend(script.warnings);
+    }
     Ok(extract)
 }
 
-/// What can be read of a `.geo` without running it; None for other files.
-fn read_script(file: &Path) -> Result<Option<GeoScript>, GmshError> {
-    if file.extension().is_none_or(|extension| extension != "geo") {
-        return Ok(None);
+/// Adds to the values that Gmsh tells (from 4.9 on) those that are known without it.
+fn add_known_values(
+    values: &mut BTreeMap<String, Value>,
+    script: &GeoScript,
+    given: &BTreeMap<String, Value>,
+) {
+    for (name, parameter) in &script.parameters {
+        let known = given.get(name).cloned().or(parameter.default.value());
+        if let Some(value) = known {
+            values.entry(name.clone()).or_insert(value);
+        }
     }
-    Ok(Some(GeoScript::scan(file)?))
 }
 
-/// How the worker ended.
-enum End {
-    Exit(ExitStatus),
-    TimeLimit,
+/// What can be read of a script without running it; None for other files.
+pub fn read_script(file: &Path) -> Result<Option<GeoScript>, GmshError> {
+    let extension = file.extension().and_then(|extension| extension.to_str());
+    let is_script = extension.is_some_and(|extension| {
+        ["geo", "geo_unrolled"]
+            .iter()
+            .any(|known| extension.eq_ignore_ascii_case(known))
+    });
+    Ok(is_script.then(|| GeoScript::scan(file)).transpose()?)
+}
+
+fn first_deed(script: Option<&GeoScript>) -> Option<Deed> {
+    script?.deeds.first().cloned()
 }
 
 fn conclude(
@@ -241,6 +291,7 @@ fn conclude(
             limit,
             log,
         }),
+        (None, End::Flood) => Err(GmshError::Flood { geometry, log }),
         (None, End::Exit(status)) => Err(GmshError::Crashed {
             geometry,
             ending: describe(status),
@@ -297,18 +348,15 @@ fn check_parameter(
             name,
         });
     };
-    let (expected, given) = match (&parameter.default, value) {
-        (_, Value::Number(number)) if !number.is_finite() => ("finite", number.to_string()),
-        (geo_script::Default::Number(_), Value::Text(text)) => ("a number", format!("'{text}'")),
-        (geo_script::Default::Text(_), Value::Number(number)) => ("a text", number.to_string()),
-        _ => return Ok(()),
-    };
-    Err(GmshError::ParameterValue {
-        file,
-        name: name.to_owned(),
-        expected,
-        given,
-    })
+    match parameter.refuses(value) {
+        None => Ok(()),
+        Some(expected) => Err(GmshError::ParameterValue {
+            file,
+            name: name.to_owned(),
+            expected,
+            given: value.to_string(),
+        }),
+    }
 }
 
 /// Gmsh's command line. Only there do values override `DefineConstant`.
@@ -350,19 +398,7 @@ fn absolute_text(file: &Path) -> Result<String, GmshError> {
         })
 }
 
-/// The running worker: killed if it is dropped before it has ended.
-struct Worker(Child);
-
-impl Drop for Worker {
-    fn drop(&mut self) {
-        // Both fail only if the worker has ended already.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-/// Runs the worker to its end. Its log goes to a file, not a pipe: a process that a script starts
-/// could hold a pipe open for ever.
+/// Runs the worker to its end.
 fn run_worker(
     request: &worker::Request,
     log_file: &Path,
@@ -372,74 +408,17 @@ fn run_worker(
         Some(executable) => executable.clone(),
         None => std::env::current_exe().map_err(worker_error("find our own executable"))?,
     };
-    let mut message = serde_json::to_vec(request)
+    let request = serde_json::to_vec(request)
         .map_err(io::Error::from)
         .map_err(worker_error("write the request"))?;
-    message.push(b'\n');
-    let log = File::create(log_file).map_err(worker_error("create the log"))?;
-    let errors = log.try_clone().map_err(worker_error("create the log"))?;
-    let mut worker = Command::new(executable)
-        .arg(WORKER_COMMAND)
-        .stdin(Stdio::piped())
-        .stdout(log)
-        .stderr(errors)
-        .spawn()
-        .map(Worker)
-        .map_err(worker_error("start it"))?;
-    let mut input = worker.0.stdin.take().expect("it was piped");
-    // A worker that cannot be written to has ended: its exit status says more.
-    let _ = input.write_all(&message);
-    let end = wait(&mut worker.0, options.time_limit).map_err(worker_error("wait for it"));
-    drop(input);
-    end
-}
-
-fn wait(worker: &mut Child, limit: Duration) -> io::Result<End> {
-    let start = Instant::now();
-    loop {
-        if let Some(status) = worker.try_wait()? {
-            return Ok(End::Exit(status));
-        }
-        if start.elapsed() >= limit {
-            return Ok(End::TimeLimit);
-        }
-        std::thread::sleep(POLL);
-    }
+    let mut command = Command::new(executable);
+    command.arg(WORKER_COMMAND);
+    let end = child::run(&mut command, &request, log_file, options.time_limit);
+    end.map_err(|ChildError { action, source }| GmshError::Worker { action, source })
 }
 
 fn worker_error(action: &'static str) -> impl Fn(io::Error) -> GmshError {
     move |source| GmshError::Worker { action, source }
-}
-
-/// The log's last lines; fewer, or none, if it cannot be read.
-fn last_lines(log: &Path) -> Vec<String> {
-    let mut bytes = Vec::new();
-    let read = File::open(log).and_then(|mut file| {
-        let length = file.metadata()?.len();
-        file.seek(SeekFrom::Start(length.saturating_sub(LOG_TAIL)))?;
-        file.read_to_end(&mut bytes)
-    });
-    if read.is_err() {
-        return Vec::new();
-    }
-    let text = String::from_utf8_lossy(&bytes);
-    let lines = text.split(['\n', '\r']).map(str::trim_end);
-    let lines: Vec<&str> = lines.filter(|line| !line.is_empty()).collect();
-    let first = lines.len().saturating_sub(LOG_LINES);
-    lines[first..]
-        .iter()
-        .map(|line| (*line).to_owned())
-        .collect()
-}
-
-fn describe(status: ExitStatus) -> String {
-    match (status.signal(), status.code()) {
-        (Some(6), _) => "signal 6, abort".to_owned(),
-        (Some(9), _) => "signal 9, killed: out of memory?".to_owned(),
-        (Some(11), _) => "signal 11, segmentation fault".to_owned(),
-        (Some(signal), _) => format!("signal {signal}"),
-        (None, code) => format!("exit code {}", code.unwrap_or_default()),
-    }
 }
 
 fn lines(items: &[impl std::fmt::Display]) -> String {
@@ -510,17 +489,5 @@ mod tests {
         ] {
             assert!(message.contains(part), "{message}");
         }
-    }
-
-    #[test]
-    fn only_the_last_lines_of_the_log_are_kept() {
-        let folder = tempfile::tempdir().unwrap();
-        let log = folder.path().join("log");
-        let text: String = (0..10_000).map(|i| format!("line {i}\r\n\n")).collect();
-        std::fs::write(&log, text).unwrap();
-        let lines = last_lines(&log);
-        assert_eq!(lines.len(), LOG_LINES);
-        assert_eq!(lines.last().map(String::as_str), Some("line 9999"));
-        assert!(last_lines(&folder.path().join("absent")).is_empty());
     }
 }

@@ -34,6 +34,7 @@
 //! | | |
 //! |---|---|
 //! | [`gmsh`] | `.geo` → mesh, in a child process |
+//! | [`meshio`] | meshes of other programs → mesh, in a child process |
 //! | [`mesh`], [`geometry`] | cells and physical groups; polygons |
 //! | [`material`] | E, ν → D |
 //! | [`peridynamics`] | eqs. (1)–(10), (16)–(19): kernel, lattice, bonds |
@@ -144,6 +145,7 @@
 
 pub mod assembly;
 pub mod boundary;
+pub mod child;
 pub mod cli;
 pub mod coupling;
 pub mod cracks;
@@ -155,6 +157,7 @@ pub mod gmsh;
 pub mod linear_solver;
 pub mod material;
 pub mod mesh;
+pub mod meshio;
 pub mod model;
 pub mod output;
 pub mod peridynamics;

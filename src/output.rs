@@ -11,6 +11,8 @@ pub mod pvd;
 pub mod vtu;
 
 use std::ffi::OsString;
+use std::fs::File;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// A file that could not be written.
@@ -23,18 +25,46 @@ pub struct WriteError {
 
 /// Writes `bytes` under a temporary name beside `path`, then renames: a reader, or a killed run,
 /// sees the old file or the new one, never a half.
+///
+/// # Errors
+/// The file cannot be written; then `path` is as it was.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    write_and_rename(path, bytes, |_| Ok(()))
+}
+
+/// The same, and what has been written outlives a loss of power.
+///
+/// # Errors
+/// As for [`write_whole`].
+pub fn write_durable(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    write_and_rename(path, bytes, File::sync_data)?;
+    // The name too; a file system that cannot sync a folder keeps its names in another way.
+    if let Some(Ok(folder)) = path.parent().map(File::open) {
+        let _ = folder.sync_all();
+    }
+    Ok(())
+}
+
+fn write_and_rename(
+    path: &Path,
+    bytes: &[u8],
+    settle: impl Fn(&File) -> io::Result<()>,
+) -> Result<(), WriteError> {
     let partial = partial_name(path);
-    std::fs::write(&partial, bytes)
-        .and_then(|()| std::fs::rename(&partial, path))
-        .map_err(|source| {
-            // The first failure is the one to report; the remains may not even exist.
-            let _ = std::fs::remove_file(&partial);
-            WriteError {
-                path: path.to_path_buf(),
-                source,
-            }
-        })
+    let write = || {
+        let mut file = File::create(&partial)?;
+        file.write_all(bytes)?;
+        settle(&file)?;
+        std::fs::rename(&partial, path)
+    };
+    write().map_err(|source| {
+        // The first failure is the one to report; the remains may not even exist.
+        let _ = std::fs::remove_file(&partial);
+        WriteError {
+            path: path.to_path_buf(),
+            source,
+        }
+    })
 }
 
 /// Where [`write_whole`] writes; what a killed run may leave.

@@ -72,8 +72,8 @@ pub(super) fn watch(
 
 fn command(program: &Path, pipeline: &Path, watch: &Watch) -> Command {
     let mut command = Command::new(program);
-    command.arg("run").arg(pipeline).arg("--brief");
-    command.args(&watch.arguments).stdin(Stdio::null());
+    command.arg("run").arg(pipeline).args(["--brief", "--tied"]);
+    command.args(&watch.arguments).stdin(Stdio::piped());
     command
 }
 

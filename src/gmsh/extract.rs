@@ -4,20 +4,40 @@
 //! Equal input gives equal bytes: nodes, groups and elements are sorted by Gmsh's tags. Nodes that
 //! no group uses (centres of circles, surfaces without a group) are left out.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
+
+use super::Value;
 
 /// The part of a Gmsh model that has a name or a number for the user.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Extract {
-    pub gmsh_version: String,
-    /// Gmsh's warnings, without their level.
+    /// Program and version that read or made the mesh, such as "Gmsh" and "4.15.2".
+    pub origin: Origin,
+    /// What the program warns of, without a level.
     pub warnings: Vec<String>,
+    /// The parameters of the geometry, with the values that it was meshed with where they are known.
+    pub parameters: BTreeMap<String, Value>,
     /// Geometrical entities of dimension 0 to 3, in a group or not.
     pub entity_counts: [usize; 4],
     /// Node positions [unit of the geometry].
     pub nodes: Vec<[f64; 3]>,
     /// Physical groups, by dimension and tag.
     pub groups: Vec<Group>,
+}
+
+/// Where a mesh comes from.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Origin {
+    pub program: String,
+    pub version: String,
+}
+
+impl std::fmt::Display for Origin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} {}", self.program, self.version)
+    }
 }
 
 /// A physical group.

@@ -85,6 +85,26 @@ impl Initialize {
     }
 }
 
+type GetNumbers = unsafe extern "C" fn(*const c_char, *mut *mut f64, *mut usize, Status);
+type GetTexts = unsafe extern "C" fn(*const c_char, *mut *mut *mut c_char, *mut usize, Status);
+
+/// Access to the variables of a script, which Gmsh 4.8 does not give.
+struct Variables {
+    numbers: GetNumbers,
+    texts: GetTexts,
+}
+
+impl Variables {
+    /// # Safety
+    /// `library` must be Gmsh.
+    unsafe fn load(library: &Library) -> Option<Variables> {
+        Some(Variables {
+            numbers: *unsafe { library.get(b"gmshParserGetNumber\0") }.ok()?,
+            texts: *unsafe { library.get(b"gmshParserGetString\0") }.ok()?,
+        })
+    }
+}
+
 /// Why Gmsh could not be started or a call failed.
 #[derive(Debug, Error)]
 pub enum FfiError {
@@ -126,6 +146,7 @@ pub struct ElementProperties {
 /// Gmsh, initialised. Dropping the guard finalises it.
 pub struct Session {
     functions: Functions,
+    variables: Option<Variables>,
     /// Never unloaded: Gmsh and its own libraries leave exit handlers behind.
     _library: ManuallyDrop<Library>,
     _not_send: PhantomData<*const ()>,
@@ -151,12 +172,14 @@ impl Session {
         // SAFETY: the signatures are those of gmshc.h in 4.8.4 and in 4.15.2.
         let functions = unsafe { Functions::load(&loaded) }.map_err(load_error)?;
         let initialize = unsafe { Initialize::load(&loaded) }.map_err(load_error)?;
+        let variables = unsafe { Variables::load(&loaded) };
 
         if SESSION_OPEN.swap(true, Ordering::SeqCst) {
             return Err(FfiError::SessionOpen);
         }
         let session = Session {
             functions,
+            variables,
             _library: ManuallyDrop::new(loaded),
             _not_send: PhantomData,
         };
@@ -336,6 +359,41 @@ impl Session {
             order: usize::try_from(order).unwrap_or(0),
             node_count: usize::try_from(node_count).unwrap_or(0),
         })
+    }
+
+    /// The number that a variable of the script holds; None for lists, texts and unknown names.
+    pub fn variable(&self, name: &str) -> Option<f64> {
+        let get = self.variables.as_ref()?.numbers;
+        let name = CString::new(name).ok()?;
+        let (mut values, mut length) = (ptr::null_mut(), 0);
+        // SAFETY: a C string that outlives the call; Gmsh stores an allocated array and its length.
+        self.call("gmshParserGetNumber", |status| unsafe {
+            get(name.as_ptr(), &mut values, &mut length, status)
+        })
+        .ok()?;
+        match unsafe { self.take_array(values, length) }.as_slice() {
+            [value] => Some(*value),
+            _ => None,
+        }
+    }
+
+    /// The text that a variable of the script holds; None for lists, numbers and unknown names.
+    pub fn text_variable(&self, name: &str) -> Option<String> {
+        let get = self.variables.as_ref()?.texts;
+        let name = CString::new(name).ok()?;
+        let (mut lines, mut length) = (ptr::null_mut(), 0);
+        // SAFETY: as in log, and a C string that outlives the call.
+        self.call("gmshParserGetString", |status| unsafe {
+            get(name.as_ptr(), &mut lines, &mut length, status)
+        })
+        .ok()?;
+        let lines = unsafe { self.take_array(lines, length) };
+        let mut texts = lines
+            .into_iter()
+            .map(|line| unsafe { self.take_string(line) });
+        let first = texts.next();
+        // All are taken, since all have to be freed.
+        (texts.count() == 0).then_some(first).flatten()
     }
 
     /// From here on Gmsh keeps its messages for [`Session::log`].

@@ -15,7 +15,11 @@ use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use super::guard::{Deed, deeds};
 use thiserror::Error;
+
+use super::Value;
+use super::parameter::{Default, Parameter, Range as Allowed};
 
 /// A file of the script could not be read.
 #[derive(Debug, Error)]
@@ -23,26 +27,6 @@ use thiserror::Error;
 pub struct ScriptError {
     pub file: PathBuf,
     pub source: io::Error,
-}
-
-/// The value that a parameter has unless it is set.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Default {
-    Number(f64),
-    Text(String),
-    /// An expression that only Gmsh can evaluate, as written.
-    Expression(String),
-    /// None is written.
-    Absent,
-}
-
-/// A variable that can be set from outside, and where it is defined.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Parameter {
-    pub default: Default,
-    pub file: PathBuf,
-    /// Counted from 1.
-    pub line: usize,
 }
 
 /// What a `.geo` file, with all that it includes, offers and needs.
@@ -55,6 +39,8 @@ pub struct GeoScript {
     pub files: Vec<PathBuf>,
     /// Lines that Gmsh runs otherwise than they read.
     pub warnings: Vec<String>,
+    /// Where it does more than draw.
+    pub deeds: Vec<Deed>,
 }
 
 impl GeoScript {
@@ -76,6 +62,7 @@ impl GeoScript {
                 let text = Text::new(&String::from_utf8_lossy(&text));
                 script.add_parameters(&file, &text);
                 script.add_warnings(&file, &text);
+                script.deeds.extend(deeds(&file, &text));
                 pending.extend(named_files(&file, &text));
             }
             script.files.push(file);
@@ -107,7 +94,8 @@ impl GeoScript {
         for at in text.words("Exists") {
             if let Some(body) = text.bracketed(at.end) {
                 let name = text.code[body].trim();
-                self.define(name, Default::Absent, file, text.line(at.start));
+                let (default, range) = (Default::Absent, Allowed::default());
+                self.define(name, default, range, file, text.line(at.start));
             }
         }
         for word in ["DefineNumber", "DefineString"] {
@@ -147,23 +135,28 @@ impl GeoScript {
         let line = text.line(item.start + leading_blanks(&text.code[item.clone()]));
         let equals = text.code[item.clone()].find('=').map(|at| item.start + at);
         let Some(equals) = equals else {
-            return self.define(text.code[item].trim(), Default::Absent, file, line);
+            let (default, range) = (Default::Absent, Allowed::default());
+            return self.define(text.code[item].trim(), default, range, file, line);
         };
         let name = text.code[item.start..equals].trim();
         let mut value = equals + 1..item.end;
+        let mut range = Allowed::default();
         if let Some(inner) = text.bracketed(value.start) {
-            value = text.split(inner, b',').next().unwrap_or(0..0);
+            let mut pieces = text.split(inner, b',');
+            value = pieces.next().unwrap_or(0..0);
+            pieces.for_each(|attribute| text.add_attribute(attribute, &mut range));
         }
-        self.define(name, text.default(value), file, line);
+        self.define(name, text.default(value), range, file, line);
     }
 
-    fn define(&mut self, name: &str, default: Default, file: &Path, line: usize) {
+    fn define(&mut self, name: &str, default: Default, range: Allowed, file: &Path, line: usize) {
         let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if name.is_empty() || !name.chars().all(is_name) {
             return;
         }
         let parameter = Parameter {
             default,
+            range,
             file: file.to_owned(),
             line,
         };
@@ -176,13 +169,13 @@ impl GeoScript {
 
 /// The text of a script, and a twin of equal length in which comments and the contents of strings
 /// are blank: syntax is sought in the twin, strings are read from the text.
-struct Text {
-    text: String,
-    code: String,
+pub(super) struct Text {
+    pub text: String,
+    pub code: String,
 }
 
 impl Text {
-    fn new(text: &str) -> Text {
+    pub fn new(text: &str) -> Text {
         let mut code = Vec::with_capacity(text.len());
         let bytes = text.as_bytes();
         let mut at = 0;
@@ -209,7 +202,7 @@ impl Text {
     }
 
     /// Where a keyword stands as a word of its own.
-    fn words<'a>(&'a self, word: &'a str) -> impl Iterator<Item = Range<usize>> + 'a {
+    pub fn words<'a>(&'a self, word: &'a str) -> impl Iterator<Item = Range<usize>> + 'a {
         let part = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
         let code = self.code.as_bytes();
         let found = self.code.match_indices(word);
@@ -222,7 +215,7 @@ impl Text {
     }
 
     /// The inside of the bracket that opens at `from`, blanks skipped.
-    fn bracketed(&self, from: usize) -> Option<Range<usize>> {
+    pub fn bracketed(&self, from: usize) -> Option<Range<usize>> {
         let code = self.code.as_bytes();
         let open = from + leading_blanks(&self.code[from..]);
         if !matches!(code.get(open), Some(b'[' | b'(' | b'{')) {
@@ -288,8 +281,39 @@ impl Text {
         }
     }
 
+    /// Reads `Min 1`, `Max 9` or `Choices{…}`; what is no plain number or text binds nothing.
+    fn add_attribute(&self, attribute: Range<usize>, allowed: &mut Allowed) {
+        let start = attribute.start + leading_blanks(&self.code[attribute.clone()]);
+        let word = self.code[start..attribute.end]
+            .split(|c: char| !c.is_ascii_alphabetic())
+            .next()
+            .unwrap_or("");
+        let rest = start + word.len()..attribute.end;
+        let number = || self.default(rest.clone()).value().and_then(Value::number);
+        match word {
+            "Min" => allowed.lowest = number(),
+            "Max" => allowed.highest = number(),
+            "Choices" => allowed.choices = self.choices(rest.start).unwrap_or_default(),
+            _ => {}
+        }
+    }
+
+    /// `{1, 2}`, `{0="no", 1="yes"}` or `{"x", "y"}`; None if one of them is an expression.
+    fn choices(&self, from: usize) -> Option<Vec<(Value, String)>> {
+        let inner = self.bracketed(from)?;
+        let choice = |piece: Range<usize>| {
+            let equals = self.code[piece.clone()].find('=');
+            let value = piece.start..equals.map_or(piece.end, |at| piece.start + at);
+            let label = equals.map(|at| self.strings(piece.start + at..piece.end));
+            let label = label.and_then(|label| label.first().map(|text| (*text).to_owned()));
+            let value = self.default(value).value()?;
+            Some((value, label.unwrap_or_default()))
+        };
+        self.split(inner, b',').map(choice).collect()
+    }
+
     /// The line of a position, counted from 1.
-    fn line(&self, at: usize) -> usize {
+    pub fn line(&self, at: usize) -> usize {
         1 + self.code[..at].matches('\n').count()
     }
 }
@@ -301,7 +325,13 @@ fn named_files(file: &Path, text: &Text) -> Vec<PathBuf> {
     let mut options = file.as_os_str().to_owned();
     options.push(".opt");
     let mut files = vec![PathBuf::from(options)];
-    for command in ["Include", "Merge", "ShapeFromFile", "FileName"] {
+    for command in [
+        "Include",
+        "Merge",
+        "MergeWithBoundingBox",
+        "ShapeFromFile",
+        "FileName",
+    ] {
         for at in text.words(command) {
             let length = text.code[at.end..].find(';');
             let end = length.map_or(text.code.len(), |length| at.end + length);
@@ -316,14 +346,16 @@ fn named_files(file: &Path, text: &Text) -> Vec<PathBuf> {
     files
 }
 
-/// Whether Gmsh reads the file as a script: by its extension, and without one too.
+/// What Gmsh reads as data. Everything else that is merged it takes for a script, whatever it is called.
+const DATA: [&str; 24] = [
+    "brep", "step", "stp", "iges", "igs", "xao", "msh", "mesh", "stl", "obj", "off", "ply2", "vtk",
+    "unv", "bdf", "nas", "med", "mmed", "rmed", "cgns", "png", "jpg", "jpeg", "bmp",
+];
+
 fn is_script(file: &Path) -> bool {
-    match file.extension() {
-        Some(extension) => ["geo", "geo_unrolled", "opt"]
-            .iter()
-            .any(|known| extension == *known),
-        None => true,
-    }
+    let extension = file.extension().and_then(|extension| extension.to_str());
+    let extension = extension.map(str::to_ascii_lowercase);
+    extension.is_none_or(|extension| !DATA.contains(&extension.as_str()))
 }
 
 fn nesting(byte: u8) -> i32 {
@@ -396,6 +428,31 @@ mod tests {
     }
 
     #[test]
+    fn attributes_bind_where_they_are_plain() {
+        let script = scan(
+            r#"DefineConstant[
+              a = {2, Min 0.5, Max 1e1, Step 1, Name "P/Min 3, Max 4"},
+              b = {1, Choices {0="no, never", 1="yes"}, Min -1},
+              c = {"x", Choices{"x", "y z"}, Name "c"}, d = {1, Max 2*a}, e = {1, Choices{1, 2*a}}
+            ];"#,
+        );
+        let range = |name: &str| script.parameters[name].range.clone();
+        assert_eq!(
+            (range("a").lowest, range("a").highest),
+            (Some(0.5), Some(10.0))
+        );
+        let labelled = |value: f64, label: &str| (Value::Number(value), label.to_owned());
+        assert_eq!(
+            range("b").choices,
+            [labelled(0.0, "no, never"), labelled(1.0, "yes")]
+        );
+        assert_eq!(range("b").lowest, Some(-1.0));
+        let texts = ["x", "y z"].map(|text| (Value::from(text), String::new()));
+        assert_eq!(range("c").choices, texts);
+        assert!(range("d").is_open() && range("e").is_open());
+    }
+
+    #[test]
     fn comments_and_strings_define_nothing() {
         let script = scan(
             "// DefineConstant[ a = 1 ];\n/* DefineConstant[ b = 1 ]; */\n\
@@ -422,7 +479,7 @@ mod tests {
 
     #[test]
     fn unfinished_scripts_do_not_panic() {
-        let whole = "DefineConstant[ a = {1, Name \"x\\\"\"}, b = 'y' ]; /* é */ Merge \"z\"; // e";
+        let whole = "DefineConstant[ a = {1, Name \"x\\\"\", Min 1, Choices{1=\"é\", 2}}, b = 'y' ]; /* é */ Merge \"z\"; // e";
         for (end, _) in whole.char_indices() {
             scan(&whole[..end]);
         }

@@ -81,7 +81,7 @@ impl Places {
     }
 
     /// Every start's nearest `.venv`.
-    fn virtual_environments(&self) -> Vec<PathBuf> {
+    pub fn virtual_environments(&self) -> Vec<PathBuf> {
         let mut environments: Vec<PathBuf> = Vec::new();
         for start in &self.starts {
             let mut upwards = start.ancestors().map(|directory| directory.join(".venv"));

@@ -12,8 +12,10 @@ use std::process::ExitCode;
 
 use serde::{Deserialize, Serialize};
 
-use super::extract::{Block, Extract, Group};
+use super::Value;
+use super::extract::{Block, Extract, Group, Origin};
 use super::ffi::{self, FfiError, Session};
+use super::sandbox;
 
 /// What the parent asks for.
 #[derive(Debug, Serialize, Deserialize)]
@@ -24,9 +26,13 @@ pub(super) struct Request {
     pub mesh_dimension: Option<i32>,
     /// Gmsh's command line.
     pub arguments: Vec<String>,
+    /// Variables whose values are wanted.
+    pub parameters: Vec<String>,
     /// Libraries to try, best first.
     pub libraries: Vec<PathBuf>,
     pub outcome: PathBuf,
+    /// Let the script run programs and write files.
+    pub trust: bool,
 }
 
 /// What the worker answers.
@@ -107,6 +113,11 @@ fn serve() -> io::Result<()> {
     io::stdin().lock().read_line(&mut line)?;
     let request: Request = serde_json::from_str(&line)?;
     std::thread::spawn(|| exit_with_parent());
+    sandbox::limit_memory();
+    if !request.trust {
+        let folder = request.outcome.parent().unwrap_or(Path::new("."));
+        sandbox::shut_in(folder).map_err(io::Error::other)?;
+    }
     let outcome = mesh(&request);
     let bytes = postcard::to_stdvec(&outcome).map_err(io::Error::other)?;
     let unfinished = request.outcome.with_extension("part");
@@ -154,7 +165,18 @@ fn run(session: &Session, request: &Request) -> Result<Extract, Vec<Message>> {
     }
     let mut extract = step(session, gather)?;
     extract.warnings = messages(session, "Warning: ").map_err(|error| vec![error.into()])?;
+    extract.parameters = values(session, &request.parameters);
     Ok(extract)
+}
+
+/// The values of those variables that have one.
+fn values(session: &Session, names: &[String]) -> BTreeMap<String, Value> {
+    let value = |name: &String| {
+        let number = session.variable(name).map(Value::Number);
+        number.or_else(|| session.text_variable(name).map(Value::Text))
+    };
+    let known = |name: &String| Some((name.clone(), value(name)?));
+    names.iter().filter_map(known).collect()
 }
 
 /// Runs a part of the work. It has failed if a call says so, and also if Gmsh's log holds an error:
@@ -195,8 +217,12 @@ fn gather(session: &Session) -> Result<Extract, FfiError> {
     }
     let nodes = number_nodes(session, &mut groups)?;
     Ok(Extract {
-        gmsh_version: session.version()?,
+        origin: Origin {
+            program: "Gmsh".to_owned(),
+            version: session.version()?,
+        },
         warnings: Vec::new(),
+        parameters: BTreeMap::new(),
         entity_counts,
         nodes,
         groups,

@@ -6,7 +6,7 @@ use super::run::RunError;
 use super::stamp::{self, Stage};
 use crate::output::partial_name;
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
@@ -20,13 +20,28 @@ pub(super) fn lock(folder: &Path) -> Result<File, RunError> {
         .create(true)
         .truncate(false)
         .open(&path);
-    let file = open.map_err(|source| file_error("create", &path, source))?;
+    let mut file = open.map_err(|source| file_error("create", &path, source))?;
     match file.try_lock() {
-        Ok(()) => Ok(file),
+        Ok(()) => {
+            // Only for people: who cannot read it is told less.
+            let _ = file.set_len(0).and_then(|()| write!(file, "{}", holder()));
+            Ok(file)
+        }
         Err(fs::TryLockError::WouldBlock) => Err(RunError::Busy {
             folder: folder.to_owned(),
+            holder: fs::read_to_string(&path).unwrap_or_default(),
         }),
         Err(fs::TryLockError::Error(source)) => Err(file_error("lock", &path, source)),
+    }
+}
+
+/// `process 4711 on the computer saturn`.
+fn holder() -> String {
+    let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let process = format!("process {}", std::process::id());
+    match host.trim() {
+        "" => process,
+        host => format!("{process} on the computer {host}"),
     }
 }
 
@@ -41,6 +56,13 @@ pub(super) fn draft(folder: &Path) -> Result<TempDir, RunError> {
         .rand_bytes(0)
         .tempdir_in(folder);
     draft.map_err(|source| file_error("create a folder in", folder, source))
+}
+
+/// The hash of a result, which outlives a loss of power from now on.
+pub(super) fn settled(path: &Path) -> Result<String, RunError> {
+    let synced = File::open(path).and_then(|file| file.sync_data());
+    synced.map_err(|source| file_error("keep", path, source))?;
+    hash_of(path)
 }
 
 pub(super) fn hash_of(path: &Path) -> Result<String, RunError> {

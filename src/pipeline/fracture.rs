@@ -9,7 +9,7 @@ use super::folder::{file_error, remove};
 use super::history::{Line, header};
 use super::parts::Parts;
 use super::plan::{Loading, Plan};
-use super::run::{Observer, RunError};
+use super::run::{Observer, RunError, Step};
 use super::scribe::{
     CHECKPOINT_FILE, JOURNAL_FILE, Order, Scribe, Written, begin_history, read_checkpoint,
     read_journal,
@@ -168,8 +168,10 @@ pub(super) fn run(
         trace.set_step(Some(first + 1));
         let ending = control::run(&problem, &mut state, phases, |state, record, response| {
             writer.step(state, record, response)?;
-            let rate = start.elapsed().as_secs_f64() / (state.step - first) as f64;
-            observer.progress(&progress(&problem, writer.chronicle.history.last(), rate));
+            let rate = (state.step - first) as f64 / start.elapsed().as_secs_f64();
+            if let Some(line) = writer.chronicle.history.last() {
+                observer.step(&step(&problem, line, rate));
+            }
             trace.record(Kind::Step, "step", step_start, step_start.elapsed());
             trace.set_step(Some(state.step + 1));
             step_start = Instant::now();
@@ -185,26 +187,23 @@ pub(super) fn run(
     })
 }
 
-/// Where the run is, in a line.
-fn progress(problem: &Problem, line: Option<&Line>, seconds_per_step: f64) -> String {
-    let Some(line) = line else {
-        return String::new();
-    };
-    let most = problem.until.steps;
+/// Where the run is.
+fn step(problem: &Problem, line: &Line, steps_per_second: f64) -> Step {
     let phases = &problem.programme.phases;
     let phase = match phases.len() {
         1 => String::new(),
-        _ => format!("{}, ", phases[line.phase].name),
+        _ => phases[line.phase].name.clone(),
     };
-    format!(
-        "{phase}step {} of at most {most}, λ = {:.4}, {} bonds broken ({} in all), {} passes, at most {:.0} s left",
-        line.step,
-        line.load_factor,
-        line.bonds_broken,
-        line.bonds_broken_total,
-        line.passes,
-        seconds_per_step * (most - line.step) as f64
-    )
+    Step {
+        phase,
+        step: line.step,
+        most_steps: problem.until.steps,
+        load_factor: line.load_factor,
+        bonds_broken: line.bonds_broken,
+        bonds_broken_total: line.bonds_broken_total,
+        passes: line.passes,
+        steps_per_second,
+    }
 }
 
 /// A load that could not break a bond, told with what it has reached.

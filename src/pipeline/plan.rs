@@ -45,6 +45,8 @@ pub struct GeometryPlan {
     pub file: PathBuf,
     pub unit_in_metres: f64,
     pub parameters: BTreeMap<String, Value>,
+    /// Whether the `.geo` may run programs and write files.
+    pub trust: bool,
 }
 
 #[derive(Clone, Debug)]

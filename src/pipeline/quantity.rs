@@ -150,6 +150,12 @@ pub fn parse_any(text: &str) -> Result<(f64, Option<Dimension>), QuantityError> 
     }
 }
 
+/// The number as it is written, and the text of its unit; `None` for what is no finite number with a known unit.
+pub(super) fn number_and_unit(text: &str) -> Option<(f64, &str)> {
+    parse_any(text).ok()?;
+    split(text.trim())
+}
+
 fn not_a_number(text: &str) -> QuantityError {
     QuantityError::NotANumber {
         text: text.to_owned(),

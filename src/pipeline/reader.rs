@@ -12,6 +12,7 @@ use crate::fracture::control::{Control, Until};
 use crate::fracture::failure::Strength;
 use crate::gmsh::Value;
 use crate::material::{Material, PlaneState};
+use crate::meshio::MESHES;
 use crate::model::{Method, PeridynamicSettings};
 use crate::peridynamics::kernel::{Kernel, PartialArea};
 use crate::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
@@ -90,7 +91,8 @@ impl Reader<'_> {
             let message = format!("the geometry file {} {what}", file.display());
             let nearby = if file.is_dir() { file.join("x") } else { file };
             let mut help = "the path is relative to the pipeline file".to_owned();
-            if let Some(similar) = similar_file(&nearby, &["geo", "msh"]) {
+            let kinds = [&["geo", "msh"][..], &MESHES].concat();
+            if let Some(similar) = similar_file(&nearby, &kinds) {
                 help.push_str(&format!("; {similar}"));
             }
             return Err(self.source.error("geometry/file", message, Some(help)));
@@ -104,6 +106,7 @@ impl Reader<'_> {
                 .iter()
                 .map(|(k, v)| (k.clone(), parameter(v)))
                 .collect(),
+            trust: geometry.trust,
         })
     }
 

@@ -8,6 +8,7 @@ use super::run::{MESH_FILE, RunError, SOLUTION_FILE};
 use super::spec::Spec;
 use super::stamp::{Recipe, Stage};
 use crate::gmsh::{self, GeoScript};
+use crate::meshio;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -42,7 +43,11 @@ pub(super) fn recipe(
     let (settings, inputs) = match stage {
         Stage::Mesh => {
             let mut settings = settings(&plan.spec, &["geometry.parameters"]);
-            settings.insert("gmsh".to_owned(), gmsh_library());
+            let (program, version) = match meshio::reads(&plan.geometry.file) {
+                true => ("meshio", meshio_version()),
+                false => ("gmsh", gmsh_library()),
+            };
+            settings.insert(program.to_owned(), version);
             (settings, geometry_files(plan)?)
         }
         Stage::Solve => {
@@ -122,6 +127,12 @@ fn gmsh_library() -> String {
     )
 }
 
+/// The version of meshio that would read.
+fn meshio_version() -> String {
+    let found = meshio::python::find();
+    found.map_or_else(|_| "none".to_owned(), |python| python.version)
+}
+
 /// The geometry and all that it includes, with their hashes.
 fn geometry_files(plan: &Plan) -> Result<BTreeMap<String, String>, RunError> {
     let file = &plan.geometry.file;
@@ -131,7 +142,7 @@ fn geometry_files(plan: &Plan) -> Result<BTreeMap<String, String>, RunError> {
             .map_err(|error| gmsh_error(plan, error.into()))?
             .files
     } else {
-        vec![file.clone()]
+        meshio::files(file)
     };
     // Relative names: from where the run is started must not matter.
     let folder = file.parent().unwrap_or(Path::new(""));

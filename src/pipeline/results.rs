@@ -9,6 +9,7 @@ use super::run::RunError;
 use super::solved::Solved;
 use super::workshop::Workshop;
 use crate::boundary::Boundary;
+use crate::gmsh::{self, Extract};
 use crate::model::{Method, Model};
 use crate::output::picture::PictureError;
 use crate::output::pvd::PvdError;
@@ -16,6 +17,7 @@ use crate::output::vtu::VtuError;
 use crate::phases::Phases;
 use crate::statics::group_reactions;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::path::Path;
 use thiserror::Error;
 
@@ -37,7 +39,8 @@ pub struct Outcome<'a> {
     pub model: &'a Model,
     pub boundary: &'a Boundary,
     pub solved: &'a Solved,
-    pub gmsh_version: &'a str,
+    /// Where the mesh comes from.
+    pub extract: &'a Extract,
 }
 
 impl Outcome<'_> {
@@ -96,7 +99,8 @@ impl Outcome<'_> {
             "pipeline": self.plan.source.path.display().to_string(),
             "outcome": self.ending(),
             "fracture": self.fracture_summary(),
-            "versions": { "peristitch": env!("CARGO_PKG_VERSION"), "gmsh": self.gmsh_version },
+            "versions": self.versions(),
+            "parameters": self.parameters(),
             "sizes": {
                 "finite_elements": count(|m| *m == Method::FiniteElements),
                 "finite_element_nodes": model.fe_node_count() - model.inner_nodes().len(),
@@ -129,6 +133,25 @@ impl Outcome<'_> {
             "peak_memory_bytes": costs.peak_memory,
             "files": files,
         })
+    }
+
+    /// Of this program and of the one that the mesh comes from.
+    fn versions(&self) -> BTreeMap<String, &str> {
+        let origin = &self.extract.origin;
+        BTreeMap::from([
+            ("peristitch".to_owned(), env!("CARGO_PKG_VERSION")),
+            (origin.program.to_lowercase(), origin.version.as_str()),
+        ])
+    }
+
+    /// Of the geometry, as it was meshed.
+    fn parameters(&self) -> BTreeMap<&String, Value> {
+        let plain = |value: &gmsh::Value| match value {
+            gmsh::Value::Number(number) => json!(number),
+            gmsh::Value::Text(text) => json!(text),
+        };
+        let values = self.extract.parameters.iter();
+        values.map(|(name, value)| (name, plain(value))).collect()
     }
 
     fn ending(&self) -> &'static str {

@@ -4,7 +4,9 @@
 use super::costs::{Costs, StoredCosts};
 use super::damage_picture::DAMAGE_PICTURE;
 use super::drafter::Drafts;
-use super::folder::{DRAFT_FOLDER, draft, file_error, hash_of, lock, remove, remove_folder, sweep};
+use super::folder::{
+    DRAFT_FOLDER, draft, file_error, hash_of, lock, remove, remove_folder, settled, sweep,
+};
 use super::fracture::{self, Fractured, Task, forget_checkpoint, frame_file};
 use super::made::{Made, account};
 use super::meshing::{mesh_geometry, to_mesh};
@@ -20,14 +22,17 @@ use crate::boundary::Boundary;
 use crate::coupling::Coupling;
 use crate::fracture::control::Resolution;
 use crate::gmsh::{self, Extract, GmshError};
+use crate::meshio::{self, MeshioError};
 use crate::model::Model;
 use crate::output::{WriteError, write_whole};
 use crate::phases::{Phases, peak_memory};
 use crate::statics::{self, Method, Solution, StaticsError};
 use crate::trace::{Kind, Trace};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::fmt;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -44,6 +49,8 @@ pub enum RunError {
     /// Exit code 1, like all that follow.
     #[error(transparent)]
     Gmsh(Box<GmshError>),
+    #[error(transparent)]
+    Meshio(Box<MeshioError>),
     #[error(transparent)]
     Statics(#[from] StaticsError),
     #[error(transparent)]
@@ -63,8 +70,16 @@ pub enum RunError {
         reason: String,
         folder: PathBuf,
     },
-    #[error("another run is writing to {}", .folder.display())]
-    Busy { folder: PathBuf },
+    /// `holder`: who writes there, if that is known.
+    #[error("another run is writing to {}{}", .folder.display(), by(.holder))]
+    Busy { folder: PathBuf, holder: String },
+}
+
+fn by(holder: &str) -> String {
+    match holder {
+        "" => String::new(),
+        holder => format!(": {holder}"),
+    }
 }
 
 impl RunError {
@@ -76,7 +91,10 @@ impl RunError {
                  `control: event-driven` or a support that holds what comes loose may help",
                 folder.display()
             )),
-            RunError::Busy { .. } => Some("wait until it has ended".to_owned()),
+            RunError::Busy { .. } => Some(
+                "wait until it has ended, or end it: what it has done is kept, and the next run goes on"
+                    .to_owned(),
+            ),
             RunError::File { .. } | RunError::Write(_) => Some(
                 "is there space, and may you write there? `--results FOLDER` chooses another place"
                     .to_owned(),
@@ -102,6 +120,7 @@ pub struct Options {
     /// How a fracture run finds its responses.
     pub resolution: Resolution,
     pub gmsh: gmsh::Options,
+    pub meshio: meshio::Options,
     /// Collects what the profile shows.
     pub trace: Trace,
 }
@@ -113,6 +132,7 @@ impl Default for Options {
             force: false,
             resolution: Resolution::default(),
             gmsh: gmsh::Options::default(),
+            meshio: meshio::Options::default(),
             trace: Trace::default(),
         }
     }
@@ -122,9 +142,45 @@ impl Default for Options {
 pub trait Observer {
     fn starts(&mut self, stage: Stage);
     fn ends(&mut self, stage: Stage, what: &str, time: Duration);
-    fn progress(&mut self, text: &str);
+    fn step(&mut self, step: &Step);
     fn is_fresh(&mut self, stage: Stage);
     fn warns(&mut self, text: &str);
+}
+
+/// Where a fracture run is.
+#[derive(Clone, Debug, Serialize)]
+pub struct Step {
+    /// Name of the phase; empty where there is only one.
+    pub phase: String,
+    pub step: usize,
+    /// The run ends at this step, if not before.
+    pub most_steps: usize,
+    pub load_factor: f64,
+    pub bonds_broken: usize,
+    pub bonds_broken_total: usize,
+    pub passes: usize,
+    pub steps_per_second: f64,
+}
+
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        if !self.phase.is_empty() {
+            write!(f, "{}, ", self.phase)?;
+        }
+        let passes = if self.passes == 1 { "pass" } else { "passes" };
+        let left = (self.most_steps - self.step) as f64 / self.steps_per_second;
+        write!(
+            f,
+            "step {} of at most {}, λ = {:.4}, {} bonds broken ({} in all), {} {passes}, {:.1} steps/s, at most {left:.0} s left",
+            self.step,
+            self.most_steps,
+            self.load_factor,
+            self.bonds_broken,
+            self.bonds_broken_total,
+            self.passes,
+            self.steps_per_second
+        )
+    }
 }
 
 pub(super) const MESH_FILE: &str = "mesh.bin";
@@ -211,19 +267,30 @@ pub fn run(
         model: &model,
         boundary: &boundary,
         solved: &solved,
-        gmsh_version: &mesh.extract.gmsh_version,
+        extract: &mesh.extract,
     };
     run.output(&outcome).map(Some)
 }
 
-/// The geometry, meshed and checked, without writing anything: for `check`.
+/// The geometry, meshed unless a fresh mesh is there, and checked, without writing anything.
 ///
 /// # Errors
 /// See [`RunError`].
 pub fn discretised(plan: &Plan, options: &Options) -> Result<(Model, Boundary, Extract), RunError> {
-    let extract = mesh_geometry(plan, options)?;
+    let extract = match stored_mesh(plan)? {
+        Some(extract) => extract,
+        None => mesh_geometry(plan, options)?,
+    };
     let (model, boundary) = discretise(plan, to_mesh(plan, &extract)?)?;
     Ok((model, boundary, extract))
+}
+
+/// What the mesh stage has kept, if it is fresh.
+fn stored_mesh(plan: &Plan) -> Result<Option<Extract>, RunError> {
+    let recipe = recipe(plan, Stage::Mesh, &|_| String::new())?;
+    let is_fresh = stamp::stale(&plan.folder, Stage::Mesh, &recipe).is_empty();
+    let stored = is_fresh.then(|| read_stored(&plan.folder.join(MESH_FILE)));
+    Ok(stored.flatten().map(|(extract, _)| extract))
 }
 
 /// The mesh stage's result.
@@ -278,9 +345,14 @@ impl Run<'_> {
         self.observer.starts(Stage::Mesh);
         let _span = self.options.trace.span(Kind::Stage, Stage::Mesh.name());
         let mut phases = self.phases();
-        let extract = phases.measure("gmsh", || mesh_geometry(self.plan, self.options))?;
+        let program = match meshio::reads(&self.plan.geometry.file) {
+            true => "meshio",
+            false => "gmsh",
+        };
+        let extract = phases.measure(program, || mesh_geometry(self.plan, self.options))?;
         for warning in &extract.warnings {
-            self.observer.warns(&format!("Gmsh: {warning}"));
+            let program = &extract.origin.program;
+            self.observer.warns(&format!("{program}: {warning}"));
         }
         let bytes = encode(&extract);
         self.kept.insert(MESH_FILE, stamp::hash(&bytes));
@@ -339,8 +411,8 @@ impl Run<'_> {
             &costs,
         )?;
         let what = format!(
-            "Gmsh {}: {} nodes, {} groups",
-            mesh.extract.gmsh_version,
+            "{}: {} nodes, {} groups",
+            mesh.extract.origin,
             mesh.extract.nodes.len(),
             mesh.extract.groups.len()
         );
@@ -580,10 +652,9 @@ impl Run<'_> {
         costs: &Costs,
     ) -> Result<(), RunError> {
         let folder = &self.plan.folder;
-        let mut outputs = BTreeMap::new();
-        for name in files {
-            outputs.insert(name.clone(), hash_of(&folder.join(name))?);
-        }
+        let settle = |name: &String| Ok((name.clone(), settled(&folder.join(name))?));
+        let outputs = files.par_iter().map(settle);
+        let outputs: BTreeMap<String, String> = outputs.collect::<Result<_, RunError>>()?;
         Ok(stamp::write(
             folder,
             stage,

@@ -12,7 +12,7 @@ use crate::output::write_whole;
 use crate::phases::Phases;
 use crate::trace::Trace;
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -132,7 +132,9 @@ impl Desk {
         }
         if let Some(checkpoint) = &order.checkpoint {
             let path = folder.join(CHECKPOINT_FILE);
-            phases.measure("checkpoints", || write_whole(&path, &encode(&**checkpoint)))?;
+            phases.measure("checkpoints", || {
+                write_whole(&path, &sealed(&encode(&**checkpoint)))
+            })?;
         }
         Ok(())
     }
@@ -180,6 +182,16 @@ pub(super) fn begin_history(folder: &Path, text: &str, lines: &[Line]) -> Result
 
 /// The checkpoint that an interrupted run has left.
 pub(super) fn read_checkpoint(folder: &Path) -> Option<Checkpoint> {
-    let bytes: io::Result<Vec<u8>> = fs::read(folder.join(CHECKPOINT_FILE));
-    postcard::from_bytes(&bytes.ok()?).ok()
+    let bytes = fs::read(folder.join(CHECKPOINT_FILE)).ok()?;
+    postcard::from_bytes(unsealed(&bytes)?).ok()
+}
+
+/// The hash of a text before it: what a loss of power or a bad disk leaves of it is not taken for a state.
+fn sealed(bytes: &[u8]) -> Vec<u8> {
+    [blake3::hash(bytes).as_bytes(), bytes].concat()
+}
+
+fn unsealed(sealed: &[u8]) -> Option<&[u8]> {
+    let (hash, bytes) = sealed.split_first_chunk()?;
+    (blake3::hash(bytes).as_bytes() == hash).then_some(bytes)
 }

@@ -31,6 +31,15 @@ impl InputError {
     }
 }
 
+impl InputError {
+    /// The file that the message points into, and the line, from 1 on.
+    pub fn place(&self) -> Option<(&str, usize)> {
+        let (source, span) = (self.source_code.as_ref()?, self.span?);
+        let before = source.inner().get(..span.offset())?;
+        Some((source.name(), 1 + before.matches('\n').count()))
+    }
+}
+
 /// A pipeline file as it was read.
 #[derive(Clone, Debug)]
 pub struct Source {
@@ -78,6 +87,11 @@ impl Source {
             Some(span) => self.error_at(span, message, help),
             None => self.error_in_file(format!("`{}`: {message}", key.replace('/', ".")), help),
         }
+    }
+
+    /// Whether the command line sets a key.
+    pub fn is_overridden(&self, key: &str) -> bool {
+        self.overrides.iter().any(|(set, _)| within(key, set))
     }
 
     /// An error at a byte offset.

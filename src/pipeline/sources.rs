@@ -4,6 +4,7 @@ use super::files::read_text;
 use super::source::Source;
 use super::yaml;
 use crate::gmsh::GeoScript;
+use crate::meshio;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -21,7 +22,7 @@ pub fn sources(pipeline: &Path, overrides: &[String]) -> BTreeSet<PathBuf> {
     {
         files.extend(script.files);
     }
-    files.insert(geometry);
+    files.extend(meshio::files(&geometry));
     files
 }
 

@@ -1,12 +1,14 @@
 //! The pipeline file as it is written (YAML): raw text for every quantity, no unknown key.
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
 
 /// A whole pipeline file; docs/pipeline.md describes every key.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spec {
     /// Results go to `results/NAME/`.
@@ -34,13 +36,16 @@ pub struct Spec {
     pub probes: BTreeMap<String, Probe>,
     #[serde(default)]
     pub output: Output,
+    /// A study: values to run the rest of the file with.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<Sweep>,
 }
 
 fn one_metre() -> Scalar {
     Scalar("1 m".to_owned())
 }
 
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Geometry {
     /// A `.geo` or `.msh`, relative to the pipeline file.
@@ -51,13 +56,16 @@ pub struct Geometry {
     /// `DefineConstant` values of the `.geo`.
     #[serde(default)]
     pub parameters: BTreeMap<String, Scalar>,
+    /// Let the `.geo` run programs and write files.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub trust: bool,
 }
 
 fn metre() -> String {
     "m".to_owned()
 }
 
-#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Plane {
     #[default]
@@ -65,7 +73,7 @@ pub enum Plane {
     Strain,
 }
 
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
     pub young: Scalar,
@@ -78,7 +86,7 @@ pub struct Material {
     pub energy_release_rate: Option<Scalar>,
 }
 
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
     /// One physical surface, or several that form one region.
@@ -109,14 +117,14 @@ pub struct Region {
     pub surface_correction: Option<SurfaceCorrection>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RegionModel {
     Fem,
     Peridynamics,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kernel {
     Quartic,
@@ -126,35 +134,35 @@ pub enum Kernel {
     Inverse,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Points {
     CellCentred,
     GridNodes,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CellArea {
     Full,
     Clipped,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PartialArea {
     Full,
     Hhb,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Micromodulus {
     Isotropised,
     Raw,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SurfaceCorrection {
     None,
@@ -175,7 +183,7 @@ pub enum Coupling {
 /// The words that `coupling` knows.
 const COUPLINGS: &[&str] = &["truss", "clip", "splice"];
 
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Truss {
     /// `lumped`, `half-edge` or an area.
@@ -195,6 +203,28 @@ impl Default for Coupling {
         Coupling::Truss(Truss {
             node_area: lumped(),
             breakable: false,
+        })
+    }
+}
+
+impl JsonSchema for Coupling {
+    fn schema_name() -> Cow<'static, str> {
+        "Coupling".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let truss = generator.subschema_for::<Truss>();
+        json_schema!({
+            "description": "How finite elements are tied to material points",
+            "oneOf": [
+                { "enum": COUPLINGS },
+                {
+                    "type": "object",
+                    "properties": { "truss": truss },
+                    "required": ["truss"],
+                    "additionalProperties": false
+                }
+            ]
         })
     }
 }
@@ -249,11 +279,12 @@ impl<'de> Deserialize<'de> for Coupling {
     }
 }
 
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Boundary {
     /// A physical curve or point.
     #[serde(deserialize_with = "name")]
+    #[schemars(schema_with = "name_schema")]
     pub group: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Components>,
@@ -266,7 +297,7 @@ pub struct Boundary {
     pub phase: Option<String>,
 }
 
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Components {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -276,7 +307,7 @@ pub struct Components {
 }
 
 /// How the load grows while bonds break.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Loading {
     pub control: Control,
@@ -302,7 +333,7 @@ pub struct Loading {
 }
 
 /// A part of the load that grows by itself while the others rest.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Phase {
     pub name: String,
@@ -315,7 +346,7 @@ pub struct Phase {
 }
 
 /// Steps that another source reports.
-#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReferenceSteps {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -334,7 +365,7 @@ fn most_passes() -> usize {
     1000
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Control {
     OnePass,
@@ -342,7 +373,7 @@ pub enum Control {
     EventDriven,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Until {
     #[default]
@@ -351,7 +382,7 @@ pub enum Until {
 }
 
 /// A displacement to report.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Probe {
     /// The nearest node or material point is read.
@@ -362,14 +393,14 @@ pub struct Probe {
     pub reference: Option<Scalar>,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Component {
     X,
     Y,
 }
 
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
     pub fields: Vec<OutputField>,
@@ -395,12 +426,91 @@ impl Default for Output {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OutputField {
     Displacement,
     Stress,
     Strain,
+}
+
+/// A study of many runs.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sweep {
+    /// What is varied, such as `regions.1.spacing`, and over which values.
+    pub over: BTreeMap<String, Values>,
+    #[serde(default)]
+    pub combine: Combine,
+}
+
+/// How the values of several parameters are combined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Combine {
+    /// Every value with every other.
+    #[default]
+    Crossed,
+    /// The first of each, the second of each, …
+    Zipped,
+}
+
+/// A list, or a range.
+#[derive(Clone, Debug, JsonSchema, Serialize)]
+#[serde(untagged)]
+pub enum Values {
+    List(Vec<Scalar>),
+    Range(Range),
+}
+
+/// `count` values from `from` to `to`, both included.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Range {
+    pub from: Scalar,
+    pub to: Scalar,
+    pub count: usize,
+    #[serde(default)]
+    pub scale: Scale,
+}
+
+/// What is the same between two values of a range that follow each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scale {
+    /// The difference.
+    #[default]
+    Linear,
+    /// The ratio.
+    Log,
+}
+
+impl<'de> Deserialize<'de> for Values {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
+        struct Visitor;
+        impl<'de> de::Visitor<'de> for Visitor {
+            type Value = Values;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str(
+                    "a list of values, or a range such as `{ from: 1 mm, to: 2 mm, count: 5 }`",
+                )
+            }
+
+            fn visit_seq<A: de::SeqAccess<'de>>(self, mut list: A) -> Result<Values, A::Error> {
+                let mut values = Vec::new();
+                while let Some(value) = list.next_element()? {
+                    values.push(value);
+                }
+                Ok(Values::List(values))
+            }
+
+            fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<Values, A::Error> {
+                Range::deserialize(de::value::MapAccessDeserializer::new(map)).map(Values::Range)
+            }
+        }
+        deserializer.deserialize_any(Visitor)
+    }
 }
 
 /// A physical group: one without a name goes by its number.
@@ -432,10 +542,30 @@ fn name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> 
     Name::deserialize(deserializer).map(|Name(name)| name)
 }
 
+/// A name, or the number of a group without one.
+fn name_schema(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "type": ["string", "integer"] })
+}
+
 /// One name or a list of them.
 #[derive(Clone, Debug, Serialize)]
 #[serde(transparent)]
 pub struct Names(pub Vec<String>);
+
+impl JsonSchema for Names {
+    fn schema_name() -> Cow<'static, str> {
+        "Names".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "oneOf": [
+                { "type": ["string", "integer"] },
+                { "type": "array", "items": name_schema(generator), "minItems": 1 }
+            ]
+        })
+    }
+}
 
 impl<'de> Deserialize<'de> for Names {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Names, D::Error> {
@@ -475,6 +605,19 @@ impl<'de> Deserialize<'de> for Names {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
 pub struct Scalar(pub String);
+
+impl JsonSchema for Scalar {
+    fn schema_name() -> Cow<'static, str> {
+        "Scalar".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "A number, or a quantity with its unit, such as `30 GPa`; a bare number is SI",
+            "type": ["number", "string"]
+        })
+    }
+}
 
 impl<'de> Deserialize<'de> for Scalar {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Scalar, D::Error> {

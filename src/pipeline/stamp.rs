@@ -3,7 +3,7 @@
 //! modification play no part.
 
 use super::costs::StoredCosts;
-use crate::output::{WriteError, write_whole};
+use crate::output::{WriteError, write_durable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -26,9 +26,9 @@ impl Stage {
     /// Raised whenever the stage's results change for the same input.
     fn version(self) -> u32 {
         match self {
-            Stage::Mesh => 1,
+            Stage::Mesh => 2,
             Stage::Solve => 7,
-            Stage::Output => 2,
+            Stage::Output => 3,
         }
     }
 
@@ -152,7 +152,7 @@ pub fn read(folder: &Path, stage: Stage) -> Option<Manifest> {
 /// A folder that cannot be written to.
 pub fn write(folder: &Path, stage: Stage, manifest: &Manifest) -> Result<(), WriteError> {
     let text = serde_json::to_string_pretty(manifest).expect("a manifest is plain data");
-    write_whole(&path(folder, stage), text.as_bytes())
+    write_durable(&path(folder, stage), text.as_bytes())
 }
 
 /// Compares the manifest on disk with the recipe of now and with the files that it lists.

@@ -218,6 +218,8 @@ struct Fronts<'a> {
 }
 
 impl Front for Fronts<'_> {
+    const LOWER: bool = true;
+
     fn start(&self, s: usize) -> usize {
         self.structure.block_start(s)
     }

@@ -301,6 +301,8 @@ struct Fronts<'a> {
 }
 
 impl Front for Fronts<'_> {
+    const LOWER: bool = false;
+
     fn start(&self, s: usize) -> usize {
         pivoted_start(self.structure, s)
     }

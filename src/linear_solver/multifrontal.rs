@@ -20,7 +20,7 @@ use super::supernodes::Supernodes;
 use faer::Par;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
@@ -39,6 +39,9 @@ pub struct NotPositive(pub usize);
 
 /// One kind of factorisation, front by front.
 pub trait Front: Sync {
+    /// Whether of what is passed up the lower triangle alone counts.
+    const LOWER: bool;
+
     /// Where a supernode's numbers begin among all; of the number of supernodes, how many there are.
     fn start(&self, s: usize) -> usize;
 
@@ -68,75 +71,113 @@ pub struct Child<'a> {
 /// What it takes to factorise some supernodes anew.
 #[derive(Clone, Debug, Default)]
 pub struct Kept {
-    /// What their children pass up.
+    /// What supernodes pass up to those that were, and may be again; of lower triangles, these alone.
     updates: BTreeMap<usize, Vec<f64>>,
-    /// Those that a pivot has left undone, ascending.
+    /// What a pivot has left undone, ascending.
     undone: Vec<usize>,
 }
 
-/// Fills the numbers of all supernodes; keeps what the children of some of them pass up.
+/// Fills the numbers of all supernodes. `path`: those that are likely to change, ascending and with each of them
+/// all above it; what others pass up to them is kept.
 ///
 /// # Errors
 /// [`NotPositive`].
-pub fn factorise(
+pub fn factorise<F: Front>(
     structure: &Supernodes,
-    front: &impl Front,
+    front: &F,
     values: &mut [f64],
     pool: &Pool,
-    parents: &[usize],
+    path: &[usize],
 ) -> Result<Kept, NotPositive> {
-    let numeric = Numeric::new(structure, front, pool, parents);
+    let numeric = Numeric::new(structure, front, pool, path);
     let roots = numeric.subtrees(&structure.roots(), values, 0)?;
     roots.into_iter().for_each(|root| pool.give(root.values));
     Ok(numeric.kept())
 }
 
 /// Fills the numbers of the supernodes of a path anew: ascending, with each of them all above it. What
-/// others pass up to them is taken from what is kept, or their subtrees are factorised anew as well; it is
-/// kept from now on.
+/// others pass up to them is taken from what is kept, or is found anew as well, and kept from now on.
 ///
 /// # Errors
 /// [`NotPositive`]: what is left of the path is done by the next call.
-pub fn refactorise(
+pub fn refactorise<F: Front>(
     structure: &Supernodes,
-    front: &impl Front,
+    front: &F,
     values: &mut [f64],
     pool: &Pool,
     kept: &mut Kept,
     path: &[usize],
 ) -> Result<(), NotPositive> {
-    let mut path = [path, &std::mem::take(&mut kept.undone)].concat();
-    path.sort_unstable();
-    path.dedup();
-    let updates = &mut kept.updates;
-    let children = path.iter().flat_map(|&s| structure.children_from_last(s));
-    let is_missing = |s: &usize| !updates.contains_key(s) && path.binary_search(s).is_err();
-    let mut missing: Vec<usize> = children.filter(is_missing).collect();
-    missing.sort_unstable();
+    let undone = std::mem::take(&mut kept.undone);
+    let (path, missing) = kept.complete(structure, path.iter().copied().chain(undone).collect());
     let numeric = Numeric::new(structure, front, pool, &[]);
     for update in numeric.subtrees(&missing, values, 0)? {
-        // Not with the room that it may have beyond its end.
-        updates.insert(update.supernode, update.values.as_slice().into());
+        let stored = numeric.stored(update.supernode, &update.values);
+        kept.updates.insert(update.supernode, stored);
         pool.give(update.values);
     }
+    // Of the path itself, until their parents have taken them.
+    let mut fresh: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for (k, &s) in path.iter().enumerate() {
-        let mut update = updates.remove(&s).unwrap_or_default();
-        update.resize(structure.rows(s).len().pow(2), 0.0);
-        let children = structure.children(s).into_iter();
-        let children: Vec<Child> = children
-            .map(|child| numeric.child(child, s, &updates[&child]))
-            .collect();
+        kept.updates.remove(&s);
+        let count = structure.rows(s).len().pow(2);
+        let mut update = pool.take(count);
+        let children = structure.children(s);
+        let child = |&child: &usize| match fresh.get(&child) {
+            Some(update) => numeric.child(child, s, update, false),
+            None => numeric.child(child, s, &kept.updates[&child], F::LOWER),
+        };
+        let updates: Vec<Child> = children.iter().map(child).collect();
         let mut memory = MemBuffer::new(front.scratch(structure.width(s)));
         let memory = MemStack::new(&mut memory);
         let own = &mut values[front.start(s)..front.start(s + 1)];
-        let done = front.eliminate(s, own, &children, &mut update, memory);
-        updates.insert(s, update);
+        let done = front.eliminate(s, own, &updates, &mut update[..count], memory);
         if done.is_err() {
+            let stored = fresh
+                .iter()
+                .map(|(&s, update)| (s, numeric.stored(s, update)));
+            kept.updates.extend(stored);
             kept.undone = path[k..].to_vec();
             return done;
         }
+        let taken = children.iter().filter_map(|child| fresh.remove(child));
+        taken.for_each(|update| pool.give(update));
+        fresh.insert(s, update);
     }
+    fresh.into_values().for_each(|update| pool.give(update));
     Ok(())
+}
+
+impl Kept {
+    /// A path with those supernodes off it of which nothing is kept, but of some below them; and the roots of the
+    /// subtrees of which nothing is. Both ascending.
+    fn complete(
+        &self,
+        structure: &Supernodes,
+        mut path: BTreeSet<usize>,
+    ) -> (Vec<usize>, Vec<usize>) {
+        let mut missing = BTreeSet::new();
+        let mut looked_at: Vec<usize> = path.iter().copied().collect();
+        while let Some(s) = looked_at.pop() {
+            for child in structure.children_from_last(s) {
+                if self.updates.contains_key(&child) || path.contains(&child) {
+                    continue;
+                }
+                if self
+                    .updates
+                    .range(structure.subtree(child))
+                    .next()
+                    .is_some()
+                {
+                    path.insert(child);
+                    looked_at.push(child);
+                } else {
+                    missing.insert(child);
+                }
+            }
+        }
+        (path.into_iter().collect(), missing.into_iter().collect())
+    }
 }
 
 /// How many threads a supernode is for.
@@ -154,8 +195,8 @@ struct Numeric<'a, F> {
     /// Work of the smallest subtree that is looked into for more tasks.
     least: f64,
     pool: &'a Pool,
-    /// What their children pass up is kept; ascending.
-    parents: &'a [usize],
+    /// What others pass up to these is kept; ascending.
+    path: &'a [usize],
     kept: Mutex<BTreeMap<usize, Vec<f64>>>,
 }
 
@@ -213,14 +254,14 @@ impl<'a, F: Front> Numeric<'a, F> {
         structure: &'a Supernodes,
         front: &'a F,
         pool: &'a Pool,
-        parents: &'a [usize],
+        path: &'a [usize],
     ) -> Numeric<'a, F> {
         Numeric {
             structure,
             front,
             least: LEAST_WORK.max(SHARE * structure.total_flops()),
             pool,
-            parents,
+            path,
             kept: Mutex::default(),
         }
     }
@@ -315,9 +356,11 @@ impl<'a, F: Front> Numeric<'a, F> {
         self.front.start(s + 1) - self.front.start(s)
     }
 
-    fn child<'u>(&self, child: usize, parent: usize, update: &'u [f64]) -> Child<'u> {
+    /// `packed`: of the update, the lower triangle alone is there.
+    fn child<'u>(&self, child: usize, parent: usize, update: &'u [f64], packed: bool) -> Child<'u> {
+        let (places, width) = (self.structure.places(child), self.structure.width(parent));
         Child {
-            runs: Runs::new(self.structure.places(child), self.structure.width(parent)),
+            runs: Runs::new(places, width, packed),
             update,
         }
     }
@@ -331,16 +374,13 @@ impl<'a, F: Front> Numeric<'a, F> {
         let rows = self.structure.rows(s).len();
         let mut update = self.pool.take(rows * rows);
         let updates: Vec<Child> = (children.iter())
-            .map(|child| self.child(child.supernode, s, &child.values))
+            .map(|child| self.child(child.supernode, s, &child.values, false))
             .collect();
         let mut memory = MemBuffer::new(self.front.scratch(self.structure.width(s)));
         let memory = MemStack::new(&mut memory);
         (self.front).eliminate(s, block, &updates, &mut update, memory)?;
         for child in children {
-            if self.is_kept(child.supernode) {
-                // Not with the room that it may have beyond its end.
-                self.keep(child.supernode, child.values.as_slice().into());
-            }
+            self.keep(child.supernode, &child.values);
             self.pool.give(child.values);
         }
         Ok(Update {
@@ -349,15 +389,26 @@ impl<'a, F: Front> Numeric<'a, F> {
         })
     }
 
-    /// Whether what a supernode passes up is needed once more.
-    fn is_kept(&self, s: usize) -> bool {
+    /// Keeps what a supernode passes up, if it is needed once more.
+    fn keep(&self, s: usize, update: &[f64]) {
+        let is_on_path = |s: usize| self.path.binary_search(&s).is_ok();
         let parent = self.structure.parent(s);
-        parent.is_some_and(|parent| self.parents.binary_search(&parent).is_ok())
+        if !is_on_path(s) && parent.is_some_and(is_on_path) {
+            let stored = self.stored(s, update);
+            let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+            kept.insert(s, stored);
+        }
     }
 
-    fn keep(&self, s: usize, update: Vec<f64>) {
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.insert(s, update);
+    /// An update in as little room as it needs.
+    fn stored(&self, s: usize, update: &[f64]) -> Vec<f64> {
+        let rows = self.structure.rows(s).len();
+        if !F::LOWER {
+            return update[..rows * rows].to_vec();
+        }
+        let mut stored = Vec::with_capacity(rows * (rows + 1) / 2);
+        (0..rows).for_each(|j| stored.extend(&update[j * rows + j..(j + 1) * rows]));
+        stored
     }
 
     /// A subtree, supernode after supernode.
@@ -383,15 +434,15 @@ impl<'a, F: Front> Numeric<'a, F> {
             let mut children: Vec<Child> = Vec::new();
             for child in structure.children_from_last(s) {
                 let begin = end - structure.rows(child).len().pow(2);
-                children.push(self.child(child, s, &read[begin..end]));
+                children.push(self.child(child, s, &read[begin..end], false));
                 end = begin;
             }
             children.reverse();
             let update = &mut write[top[own]..][..rows * rows];
             let memory = MemStack::new(&mut memory);
             (self.front).eliminate(s, block, &children, update, memory)?;
-            if s != root && self.is_kept(s) {
-                self.keep(s, update.to_vec());
+            if s != root {
+                self.keep(s, update);
             }
             top[own] += rows * rows;
             top[1 - own] = end;
@@ -442,10 +493,11 @@ pub struct Runs {
     rows: usize,
     /// Columns of the parent.
     width: usize,
+    packed: bool,
 }
 
 impl Runs {
-    fn new(places: &[u32], width: usize) -> Runs {
+    fn new(places: &[u32], width: usize, packed: bool) -> Runs {
         let mut runs: Vec<[usize; 3]> = Vec::new();
         for (row, &place) in places.iter().enumerate() {
             let place = place as usize;
@@ -461,6 +513,7 @@ impl Runs {
             runs,
             rows: places.len(),
             width,
+            packed,
         }
     }
 
@@ -513,6 +566,7 @@ impl Runs {
             first: columns.start,
             end: columns.end,
             lower,
+            packed: self.packed,
         }
         .add();
     }

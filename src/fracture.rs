@@ -14,5 +14,6 @@ mod gone;
 pub mod programme;
 pub mod response;
 pub mod state;
+mod touched;
 mod update;
 mod zone;

@@ -111,7 +111,7 @@ impl Factor {
     ) -> Result<bool, SolverError> {
         match (self, stiffness) {
             (Factor::Cholesky(factor), Stiffness::Symmetric(lower)) => {
-                factor.refactorise(lower, held, nodes).map(|_| true)
+                factor.refactorise(lower, held, nodes).map(|()| true)
             }
             (Factor::Lu(factor), Stiffness::Full(full)) => {
                 Ok(factor.refactorise(full, held, nodes))

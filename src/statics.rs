@@ -11,6 +11,7 @@ use crate::linear_solver::{Factor, SolverError};
 use crate::model::Model;
 use crate::phases::Phases;
 use crate::support::{self, NotHeld};
+use faer::Mat;
 use std::collections::{BTreeMap, BTreeSet};
 use structure::Structure;
 use thiserror::Error;
@@ -212,14 +213,7 @@ impl<'a> Solver<'a> {
         let system = self.system(intact, pinned, &BTreeSet::new(), phases);
         let factor = self.factorise(&system, &[], phases);
         let factor = factor.map_err(|error| self.locate(error))?;
-        self.finish(
-            &system,
-            &system.case(self.boundary),
-            &factor,
-            None,
-            None,
-            phases,
-        )
+        self.finish(&system, &system.case(self.boundary), &factor, None, phases)
     }
 
     /// The same for a body in which bonds break, under each of `cases`, which prescribe displacements
@@ -240,8 +234,7 @@ impl<'a> Solver<'a> {
         phases: &mut Phases,
     ) -> Result<Vec<Solution>, StaticsError> {
         let factorised = self.factorise_broken(intact, pinned, mechanisms, phases)?;
-        let solve =
-            |case: &&Boundary| self.solve_with(&factorised, case, None, None, mechanisms, phases);
+        let solve = |case: &&Boundary| self.solve_with(&factorised, case, None, mechanisms, phases);
         cases.iter().map(solve).collect()
     }
 
@@ -312,6 +305,11 @@ impl<'a> Solver<'a> {
         new.iter()
             .for_each(|&node| self.add_around(&mut changed, node));
         system.pin(pinned);
+        let new = mechanisms.iter().filter(|&&dof| !system.is_held[dof]);
+        for dof in new.copied().collect::<Vec<_>>() {
+            system.is_held[dof] = true;
+            self.add_around(&mut changed, dof / 2);
+        }
         loop {
             let held = Held {
                 dofs: &system.is_held,
@@ -341,8 +339,7 @@ impl<'a> Solver<'a> {
     }
 
     /// Solves a case, which prescribes displacements on the same dofs. `guess`: displacements that may be
-    /// near the solution [m], from which conjugate gradients start. `goal`: a relative residual that needs no
-    /// refinement.
+    /// near the solution [m], from which conjugate gradients start.
     ///
     /// # Errors
     /// See [`StaticsError`]; [`StaticsError::Swings`] where a load acts along a mechanism.
@@ -351,12 +348,11 @@ impl<'a> Solver<'a> {
         factorised: &Factorised,
         case: &Boundary,
         guess: Option<&[[f64; 2]]>,
-        goal: Option<f64>,
         mechanisms: &BTreeSet<usize>,
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
         let Factorised { system, factor, .. } = factorised;
-        let solution = self.finish(system, &system.case(case), factor, guess, goal, phases);
+        let solution = self.finish(system, &system.case(case), factor, guess, phases);
         solution.map_err(|error| self.swings(error, mechanisms))
     }
 
@@ -417,10 +413,9 @@ impl<'a> Solver<'a> {
         case: &Case,
         factor: &Factor,
         guess: Option<&[[f64; 2]]>,
-        goal: Option<f64>,
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
-        let goal = goal.unwrap_or_else(|| residual_goal(factor.method()));
+        let goal = residual_goal(factor.method());
         let Solved {
             displacement,
             force,
@@ -515,6 +510,43 @@ impl Factorised {
             return None;
         };
         Some(factor.unit_loads(dofs, |dof| !self.is_held(dof)))
+    }
+
+    /// The place of a dof in the order of elimination, of Cholesky's factor.
+    pub fn elimination(&self, dof: usize) -> Option<usize> {
+        match &self.factor {
+            Factor::Cholesky(factor) => Some(factor.column(dof)),
+            Factor::Lu(_) | Factor::TwoLevel(_) => None,
+        }
+    }
+
+    /// K⁻¹ at `rows` for unit forces at `columns`, each of them among `rows` [m/N], without motion at held
+    /// dofs; from Cholesky's factor only.
+    pub fn compliance_between(&self, rows: &[usize], columns: &[usize]) -> Option<Mat<f64>> {
+        let Factor::Cholesky(factor) = &self.factor else {
+            return None;
+        };
+        let mut inverse = factor.inverse_between(rows, columns);
+        for (k, _) in rows.iter().enumerate().filter(|(_, d)| self.is_held(**d)) {
+            inverse.row_mut(k).fill(0.0);
+        }
+        for (k, _) in columns
+            .iter()
+            .enumerate()
+            .filter(|(_, d)| self.is_held(**d))
+        {
+            inverse.col_mut(k).fill(0.0);
+        }
+        Some(inverse)
+    }
+
+    /// Multiplications and additions that it takes to follow a change between these nodes, as
+    /// [`Solver::refactorise`] does.
+    pub fn flops_above(&self, nodes: &[u32]) -> f64 {
+        match &self.factor {
+            Factor::Cholesky(factor) => factor.flops_above(nodes),
+            Factor::Lu(_) | Factor::TwoLevel(_) => self.flops,
+        }
     }
 
     /// Overwrites forces [N] by the displacements [m] that they add, dof by dof, case after case.

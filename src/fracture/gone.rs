@@ -121,7 +121,7 @@ impl Gone {
                 add(own.expect("stored by columns").as_slice_mut(), -w, &column);
             }
         }
-        Lu::new(system, LEAST_PIVOT)
+        Lu::new(system, LEAST_PIVOT).ok()
     }
 
     /// Overwrites columns c on T by M c.

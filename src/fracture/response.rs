@@ -10,8 +10,8 @@
 //!
 //! Under the event-driven control the response looks ahead (`active_zone.rs`): it knows a number
 //! of events that follow from one factorisation, and goes from one to the next without solving again.
-//! Elsewhere the factorisation follows the bonds that break (`update.rs`), with one solution for each pass in
-//! which some did. Without factors, on a large lattice, conjugate gradients start from what the state was last
+//! Elsewhere it is updated from the last factorisation (`update.rs`), one solution for each pass in which
+//! bonds broke. Without factors, on a large lattice, conjugate gradients start from what the state was last
 //! settled to.
 
 use super::active_zone::{Ahead, look_ahead};
@@ -19,7 +19,7 @@ use super::control::{Control, Problem, Resolution, TIE};
 use super::event::{Bounds, Event, Load, is_at_limit};
 use super::functional::Values;
 use super::state::State;
-use super::update::{self, Update};
+use super::update::Update;
 use crate::boundary::Boundary;
 use crate::model::Model;
 use crate::phases::Phases;
@@ -27,8 +27,8 @@ use crate::statics::{Factorised, Solution, Solver, StaticsError};
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// Rounding of [`Solutions::rough_stretches`] is far less than what is missing here.
-const NEAR: f64 = 0.999;
+/// A bond at this share of its limit may break soon.
+const NEAR: f64 = 0.8;
 
 /// u_held and u_unit of all nodes.
 #[derive(Clone)]
@@ -97,7 +97,9 @@ pub struct Response {
     ahead: Option<Ahead>,
     next: usize,
     update: Option<Update>,
-    /// What all bonds allow, where none was over its limit when they were last asked for.
+    /// Bonds that were near their limit when they were last asked for, and what all of them allow where
+    /// none was over it.
+    near: Vec<usize>,
     carries: Option<Bounds>,
 }
 
@@ -116,6 +118,16 @@ impl Response {
             &mut state.mechanisms,
             phases,
         )?;
+        Response::of(factorised, solver, problem, state, phases)
+    }
+
+    fn of(
+        factorised: Factorised,
+        solver: &Solver,
+        problem: &Problem,
+        state: &State,
+        phases: &mut Phases,
+    ) -> Result<Response, StaticsError> {
         let solved = solve(solver, problem, state, &factorised, phases)?;
         let mut response = Response {
             values: solved.values(problem),
@@ -123,6 +135,7 @@ impl Response {
             ahead: None,
             next: 0,
             update: None,
+            near: Vec::new(),
             carries: None,
         };
         if problem.resolution == Resolution::Reference || !factorised.is_direct() {
@@ -137,7 +150,12 @@ impl Response {
             response.ahead = look_ahead(problem, state, factorised, solved, values, load);
             phases.note("active zone", start);
         } else {
-            response.update = Some(Update::new(factorised, state));
+            response.update = Some(Update::new(
+                problem,
+                factorised,
+                response.solved.clone(),
+                state,
+            ));
         }
         Ok(response)
     }
@@ -158,17 +176,23 @@ impl Response {
             return Ok(());
         }
         if let Some(update) = &mut self.update
-            && update.renew(solver, state, phases)?
+            && let Some(solved) = update.renew(problem, state, &self.near, phases)
         {
-            let solved = solve(solver, problem, state, &update.factorised, phases)?;
             self.carries = None;
             self.values = solved.values(problem);
             self.solved = solved;
             return Ok(());
         }
         // Two factors at a time are more than may fit.
-        (self.ahead, self.update) = (None, None);
-        *self = Response::new(solver, problem, state, phases)?;
+        self.ahead = None;
+        let factorised = match self.update.take() {
+            Some(update) => update.refactorise(solver, state, phases)?,
+            None => None,
+        };
+        *self = match factorised {
+            Some(factorised) => Response::of(factorised, solver, problem, state, phases)?,
+            None => Response::new(solver, problem, state, phases)?,
+        };
         Ok(())
     }
 
@@ -178,10 +202,13 @@ impl Response {
         ahead.is_some_and(|ahead| self.next + 1 < ahead.count())
     }
 
-    /// Whether a run that begins with the state that it is now in, and so with a factorisation, goes on with
-    /// the same bits.
-    pub fn is_reproducible(&self) -> bool {
-        !self.foresees_next()
+    /// Whether a run that begins with `state`, and so with a factorisation, goes on with the same bits.
+    pub fn is_reproducible(&self, state: &State) -> bool {
+        match (&self.ahead, &self.update) {
+            (Some(_), _) => !self.foresees_next(),
+            (None, Some(update)) => update.is_reproducible(state),
+            (None, None) => true,
+        }
     }
 
     fn now(&self) -> Option<(&Ahead, usize)> {
@@ -251,8 +278,8 @@ impl Response {
             let stretch = load.combine(self.solved.stretches(problem, s));
             problem.limits.of(s).is_exceeded(stretch)
         };
-        let near = intact(problem, state).filter(is_near);
-        let over: Vec<usize> = near.filter(is_over).collect();
+        self.near = intact(problem, state).filter(is_near).collect();
+        let over: Vec<usize> = self.near.iter().copied().filter(is_over).collect();
         if over.is_empty() {
             self.carries = Some(self.bounds(problem, state));
         }
@@ -288,9 +315,8 @@ fn solve(
     phases: &mut Phases,
 ) -> Result<Solutions, StaticsError> {
     let programme = problem.programme;
-    let goal = update::goal(problem, factorised);
     let mut solve = |case: &Boundary, guess: Option<&[[f64; 2]]>| {
-        solver.solve_with(factorised, case, guess, goal, &state.mechanisms, phases)
+        solver.solve_with(factorised, case, guess, &state.mechanisms, phases)
     };
     let held = match programme.held(state.phase) {
         Some(held) => Some(solve(&held, None)?),

@@ -169,8 +169,13 @@ impl Factor {
         &self.structure
     }
 
-    /// L of a matrix that differs between some nodes only: the same bits as of a whole factorisation. Returns
-    /// the multiplications and additions above these nodes.
+    /// Multiplications and additions of the supernodes of some nodes and those above them.
+    pub fn flops_above(&self, nodes: &[u32]) -> f64 {
+        let above = self.structure.above(nodes);
+        above.into_iter().map(|s| self.structure.flops(s)).sum()
+    }
+
+    /// L of a matrix that differs between some nodes only: the same bits as of a whole factorisation.
     ///
     /// # Errors
     /// [`SolverError::NotPositiveDefinite`]: this is no factor until it has followed another change.
@@ -179,7 +184,7 @@ impl Factor {
         matrix: &LowerMatrix,
         held: Held,
         nodes: &[u32],
-    ) -> Result<f64, SolverError> {
+    ) -> Result<(), SolverError> {
         let structure = &self.structure;
         let fronts = Fronts {
             structure,
@@ -189,8 +194,7 @@ impl Factor {
         let path = structure.above(nodes);
         let (values, kept) = (&mut self.values, &mut self.kept);
         multifrontal::refactorise(structure, &fronts, values, &self.pool, kept, &path)
-            .map_err(|pivot| not_positive(structure, pivot))?;
-        Ok(path.iter().map(|&s| structure.flops(s)).sum())
+            .map_err(|pivot| not_positive(structure, pivot))
     }
 
     /// The column of L that eliminates a dof.

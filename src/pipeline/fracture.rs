@@ -376,7 +376,7 @@ impl Writer<'_, '_> {
             }
         };
         let checkpoint = response
-            .is_reproducible()
+            .is_reproducible(state)
             .then(|| self.chronicle.checkpoint(state));
         self.give(Order {
             line: Some((self.chronicle.csv(&line), line)),

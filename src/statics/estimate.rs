@@ -68,14 +68,15 @@ impl Estimate {
             Method::Direct => factor_entries,
             Method::TwoLevel => structure.expected_coarse_entries(),
         };
-        let vectors = match method {
-            Method::Direct => VECTORS,
-            Method::TwoLevel => ITERATIVE_VECTORS,
+        let (copies, vectors) = match method {
+            // K as it is, and with its supports.
+            Method::Direct => (2.0, VECTORS),
+            Method::TwoLevel => (1.0, ITERATIVE_VECTORS),
         };
         let springs = if breaks { model.springs.len() } else { 0 };
         let factors = factor_entries as f64 + WAITING * structure.waiting_entries() as f64;
-        let solving =
-            ENTRY * (stiffness + factors + vectors * dofs as f64) + BREAKABLE * springs as f64;
+        let solving = ENTRY * (copies * stiffness + factors + vectors * dofs as f64)
+            + BREAKABLE * springs as f64;
         let bytes = held_memory().unwrap_or(0) + solving as u64;
         let seconds = match method {
             Method::Direct => structure.flops() / FACTOR_RATE + stiffness / ENTRY_RATE,

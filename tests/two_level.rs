@@ -154,14 +154,7 @@ fn a_solution_is_its_own_guess() {
         .factorise_broken(&model.intact, &[], &mut mechanisms, &mut phases)
         .expect("no mechanism");
     let mut solve = |guess: Option<&[[f64; 2]]>| {
-        let solution = solver.solve_with(
-            &factorised,
-            &boundary,
-            guess,
-            None,
-            &mechanisms,
-            &mut phases,
-        );
+        let solution = solver.solve_with(&factorised, &boundary, guess, &mechanisms, &mut phases);
         solution.expect("a solution")
     };
     let first = solve(None);

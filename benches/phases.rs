@@ -13,6 +13,7 @@ use peristitch::material::{Material, PlaneState};
 use peristitch::peridynamics::bonds::bonds;
 use peristitch::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement, lattice};
+use peristitch::peridynamics::visibility::Visibility;
 use peristitch::pipeline::plan::Plan;
 use peristitch::pipeline::run::{Options, discretised};
 use peristitch::springs::Springs;
@@ -179,7 +180,10 @@ fn square(side: usize, machine: &Machine) {
     });
     let floor = 24.0 * found.positions.len() as f64 / machine.bytes;
     row("lattice", time, memory, Some(floor));
-    let all = || bonds(&found, &micromodulus, 1.0, 0);
+    let all = || {
+        let visibility = Visibility::new(&outline, spacing, micromodulus.reach());
+        bonds(&found, &micromodulus, 1.0, 0, &visibility)
+    };
     let (springs, memory) = gained(all);
     let time = median(|| {
         all();

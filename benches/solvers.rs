@@ -32,6 +32,7 @@ use peristitch::material::{Material, PlaneState};
 use peristitch::peridynamics::bonds::bonds;
 use peristitch::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
 use peristitch::peridynamics::lattice::{self, CellArea, LatticeSettings, Placement};
+use peristitch::peridynamics::visibility::Visibility;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -277,7 +278,7 @@ fn lattice(side: usize) -> (Pattern, LowerMatrix) {
         reach,
         spacing,
     );
-    let springs = bonds(&points, &micromodulus, 1.0, 0);
+    let springs = bonds(&points, &micromodulus, 1.0, 0, &Visibility::unlimited());
     let pattern = Pattern::new(positions.len(), &springs, &[]);
     let stiffness = Stiffness::Symmetric(pattern.assemble(positions, &springs, &[]));
     let held: Vec<bool> = (0..2 * positions.len()).map(|dof| dof < 2 * side).collect();

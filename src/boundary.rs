@@ -2,15 +2,27 @@
 //!
 //! A curve acts on the finite-element nodes on it, and on the layer of material points beside it where it
 //! bounds their region: those within dx/2, and the nearest to any piece that has none so near, as when
-//! dx does not divide the region. A load t on such a layer is shared in proportion to the points' areas.
+//! dx does not divide the region; none of them behind a notch or a hole, though near. A load is shared by
+//! who is the nearest (`boundary/arc.rs`); where all areas are dx², as the paper has it, in proportion to
+//! these.
+
+mod arc;
+mod directions;
+mod forces;
 
 use crate::fem::edge::{EdgeLoad, consistent_load, edge_points};
 use crate::geometry::{chords, nearest_on_segment};
 use crate::mesh::Edge;
+use crate::model::node_axes::{NodeAxes, to_own};
 use crate::model::{Method, Model, PointRegion};
+use crate::peridynamics::axes::Axes;
 use crate::peridynamics::bonds::Bins;
+use crate::peridynamics::lattice::CellArea;
+use crate::peridynamics::visibility::Visibility;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use thiserror::Error;
+
+pub use directions::Directions;
 
 #[derive(Debug, Error)]
 pub enum BoundaryError {
@@ -20,6 +32,18 @@ pub enum BoundaryError {
     NoOutline { group: String },
     #[error("group `{group}` is a point: a traction or pressure needs a curve")]
     LoadOnPoint { group: String },
+    #[error("group `{group}` has no normal everywhere")]
+    NoNormal { group: String },
+    #[error(
+        "`{group}` and `{other}` prescribe displacements at ({x:.6e}, {y:.6e}) m that contradict \
+         each other"
+    )]
+    Contradiction {
+        group: String,
+        other: String,
+        x: f64,
+        y: f64,
+    },
     #[error(
         "`{group}` prescribes {value} m for the displacement {axis} at ({x:.6e}, {y:.6e}) m, \
          where `{other}` prescribes {other_value} m"
@@ -38,9 +62,12 @@ pub enum BoundaryError {
 /// Prescribed displacements and nodal forces, by dof.
 #[derive(Clone, Debug, Default)]
 pub struct Boundary {
-    /// Displacement [m] and the group that prescribes it.
+    /// Axes of nodes that are held along neither x nor y; the model must have them too
+    /// ([`Model::with_node_axes`]).
+    pub node_axes: NodeAxes,
+    /// Displacement [m] and the group that prescribes it, by dof in the axes of the nodes.
     pub prescribed: BTreeMap<usize, (f64, String)>,
-    /// Force on every dof [N].
+    /// Force on every node along x and y, dof by dof [N].
     pub load: Vec<f64>,
     /// Under the splice, what acts on the overlap besides [N]: its part of the boundary is the material
     /// points', and their loads are the body's.
@@ -78,6 +105,7 @@ const POINT_REACH: f64 = 0.71;
 impl Boundary {
     pub fn new(model: &Model) -> Boundary {
         Boundary {
+            node_axes: NodeAxes::new(),
             prescribed: BTreeMap::new(),
             load: vec![0.0; 2 * model.node_count()],
             overlap_load: vec![0.0; 2 * model.node_count()],
@@ -105,7 +133,9 @@ impl Boundary {
         for node in nodes {
             for (axis, component) in components.into_iter().enumerate() {
                 if let Some(value) = component {
-                    self.prescribe(model, group, node, axis, value)?;
+                    let mut alone = [None; 2];
+                    alone[axis] = Some(value);
+                    self.constrain(model, group, node, [1.0, 0.0], alone)?;
                     match shares.get(&node) {
                         Some(&share) => self.own_share.insert(2 * node + axis, share),
                         None => self.own_share.remove(&(2 * node + axis)),
@@ -135,6 +165,12 @@ impl Boundary {
         }
         for node in nodes {
             for axis in (0..2).filter(|&axis| components[axis]) {
+                if self.node_axes.contains_key(&node) {
+                    let mut zero = [false; 2];
+                    zero[axis] = true;
+                    self.hold_turned(model, group, node, [1.0, 0.0], zero)?;
+                    continue;
+                }
                 let held = self.prescribed.entry(2 * node + axis);
                 held.or_insert_with(|| (0.0, group.to_owned()));
             }
@@ -197,6 +233,14 @@ impl Boundary {
             }
         }
         for (points, edges) in &on_points {
+            if has_clipped_areas(model, points) {
+                if !self.press_arc(model, points, edges, load) {
+                    return Err(BoundaryError::NothingThere {
+                        group: group.to_owned(),
+                    });
+                }
+                continue;
+            }
             let layer = layer(model, points, edges);
             if layer.is_empty() {
                 return Err(BoundaryError::NothingThere {
@@ -211,6 +255,20 @@ impl Boundary {
             }
         }
         Ok(())
+    }
+
+    /// The loads in the axes of the nodes, dof by dof [N].
+    pub fn own_load(&self) -> Vec<f64> {
+        self.in_own_axes(self.load.clone())
+    }
+
+    /// Forces by dof in the axes of the nodes, from those along x and y.
+    pub fn in_own_axes(&self, mut forces: Vec<f64>) -> Vec<f64> {
+        for (&node, &axes) in &self.node_axes {
+            let own = to_own(axes, [forces[2 * node], forces[2 * node + 1]]);
+            forces[2 * node..2 * node + 2].copy_from_slice(&own);
+        }
+        forces
     }
 
     fn press_layer(&mut self, model: &Model, layer: &[LayerPoint], length: f64, load: EdgeLoad) {
@@ -372,6 +430,14 @@ fn length(model: &Model, edges: &[Edge]) -> f64 {
     points.map(|point| point.length).sum()
 }
 
+/// Whether the points' areas are those of their squares in the region, and not dx² wherever they are.
+fn has_clipped_areas(model: &Model, points: &PointRegion) -> bool {
+    match model.regions[points.region].method {
+        Method::Peridynamics(settings) => settings.lattice.cell_area == CellArea::Clipped,
+        Method::FiniteElements => false,
+    }
+}
+
 /// The layer of material points beside the edges, ascending.
 ///
 /// Where a corner of the curve is nearest, or two sides are equally near, the normal is their mean:
@@ -380,13 +446,18 @@ fn layer(model: &Model, points: &PointRegion, edges: &[Edge]) -> Vec<LayerPoint>
     let same = EQUALLY_NEAR * points.micromodulus.spacing;
     let positions = &model.positions[points.nodes.clone()];
     let bins = Bins::new(positions, 2.0 * points.micromodulus.spacing);
+    let visibility = model.visibility(&Axes::new(0.0), &points.micromodulus);
+    let points_beside = |segment: Segment| {
+        let spacing = points.micromodulus.spacing;
+        beside(segment, positions, &bins, spacing, &visibility)
+    };
     let mut nearest: BTreeMap<u32, (f64, [f64; 2])> = BTreeMap::new();
     for segment in edges
         .iter()
         .flat_map(|edge| short_segments(model, edge, points))
     {
         let normal = right_of(segment);
-        for (i, distance) in beside(segment, positions, &bins, points.micromodulus.spacing) {
+        for (i, distance) in points_beside(segment) {
             let (other, sum) = nearest.entry(i).or_insert((distance, [0.0; 2]));
             if distance < *other - same {
                 (*other, *sum) = (distance, normal);
@@ -403,12 +474,21 @@ fn layer(model: &Model, points: &PointRegion, edges: &[Edge]) -> Vec<LayerPoint>
 }
 
 /// The points within dx/2 of a short segment, or else the nearest, each with its distance [m].
-fn beside(segment: Segment, positions: &[[f64; 2]], bins: &Bins, spacing: f64) -> Vec<(u32, f64)> {
+fn beside(
+    segment: Segment,
+    positions: &[[f64; 2]],
+    bins: &Bins,
+    spacing: f64,
+    visibility: &Visibility,
+) -> Vec<(u32, f64)> {
     let middle = [0, 1].map(|axis| 0.5 * (segment[0][axis] + segment[1][axis]));
     let mut around = Vec::new();
     bins.visit_around(middle, |i| {
-        let (_, distance) = nearest_on_segment(positions[i as usize], segment);
-        around.push((i, distance));
+        let x = positions[i as usize];
+        let (foot, distance) = nearest_on_segment(x, segment);
+        if distance <= LAYER_REACH * spacing && visibility.sees(foot, x) {
+            around.push((i, distance));
+        }
     });
     let least = around.iter().map(|&(_, d)| d).fold(f64::INFINITY, f64::min);
     let depth = if least <= LAYER_DEPTH * spacing {

@@ -8,6 +8,7 @@ mod run;
 mod study;
 mod sweep;
 mod verify;
+mod view;
 mod watch;
 
 use crate::pipeline::folder;
@@ -43,6 +44,7 @@ Examples:
   peristitch run p.yaml --set geometry.parameters.element=5 --set regions.1.horizon=3
   peristitch watch p.yaml
   peristitch check p.yaml
+  peristitch view p.yaml
   peristitch explain p.yaml
   peristitch sweep p.yaml
   peristitch verify
@@ -103,6 +105,17 @@ enum Command {
     Status(Common),
     /// Print why stages are stale
     Explain(Common),
+    /// Show the results in ParaView, prepared: deformed shape, damage, mesh; or draw them into a PNG file
+    View {
+        #[command(flatten)]
+        common: Common,
+        /// Draw a picture instead, by pvpython or by VTK's Python package
+        #[arg(long, value_name = "FILE")]
+        png: Option<PathBuf>,
+        /// The step of a fracture run to draw, one that has a frame [default: the last]
+        #[arg(long, value_name = "STEP", requires = "png")]
+        step: Option<usize>,
+    },
     /// Remove the results
     Clean(Common),
     /// Run the study that the pipeline's `sweep` describes, and write its table
@@ -185,6 +198,17 @@ pub fn main() -> ExitCode {
         }
         Command::Status(common) => for_each(&common, |plan| list(plan, false)),
         Command::Explain(common) => for_each(&common, |plan| list(plan, true)),
+        Command::View { common, png, step } => match png {
+            None => for_each(&common, view::show),
+            Some(file) => match common.pipelines.as_slice() {
+                [_] => for_each(&common, |plan| view::draw(plan, &file, step)),
+                _ => {
+                    let message = "--png: one file cannot hold the pictures of several pipelines";
+                    let help = "name one pipeline".to_owned();
+                    Err(InputError::plain(message, Some(help)).into())
+                }
+            },
+        },
         Command::Clean(common) => for_each(&common, |plan| {
             let removed = folder::clean(plan)?;
             println!("{}: {removed} files removed", plan.folder.display());

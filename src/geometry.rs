@@ -43,6 +43,21 @@ impl Outline {
         self.loops.iter().map(|polygon| area(polygon)).sum()
     }
 
+    /// Centroid [m]; not finite where there is no area.
+    pub fn centroid(&self) -> [f64; 2] {
+        let Some(&o) = self.loops.iter().flatten().next() else {
+            return [f64::NAN; 2];
+        };
+        let (mut twice, mut moment) = (0.0, [0.0; 2]);
+        for [a, b] in self.segments() {
+            let [p, q] = [a, b].map(|x| [x[0] - o[0], x[1] - o[1]]);
+            let cross = p[0] * q[1] - q[0] * p[1];
+            twice += cross;
+            (0..2).for_each(|axis| moment[axis] += cross * (p[axis] + q[axis]));
+        }
+        [0, 1].map(|axis| o[axis] + moment[axis] / (3.0 * twice))
+    }
+
     /// Lower left and upper right corner of the bounding box [m].
     pub fn bounds(&self) -> [[f64; 2]; 2] {
         let points = || self.loops.iter().flatten();
@@ -239,6 +254,9 @@ mod tests {
             [3, 3]
         );
         assert!((outline.area() - (8.0 - 0.5)).abs() < 1e-15);
+        // 8 · 4/3 less ½ · 4/3, over 7.5.
+        let centroid = outline.centroid();
+        assert!(centroid.iter().all(|x| (x - 4.0 / 3.0).abs() < 1e-15));
     }
 
     #[test]

@@ -93,6 +93,8 @@
 //!   correction by two uniaxial strains.
 //! - Le Q. V., Bobaru F. (2018). Surface corrections for peridynamic models in elasticity and fracture.
 //!   Computational Mechanics 61, 499–518.
+//! - Belytschko T., Lu Y. Y., Gu L. (1994). Element-free Galerkin methods. International Journal for
+//!   Numerical Methods in Engineering 37, 229–256. The visibility criterion.
 //! - Prakash N. (2019). Calibrating bond-based peridynamic parameters using a novel least squares
 //!   approach. Journal of Peridynamics and Nonlocal Modeling 1, 45–55.
 //!
@@ -119,6 +121,8 @@
 //! - Strang G., Fix G. J. (1973). An Analysis of the Finite Element Method. Prentice-Hall.
 //! - Dunavant D. A. (1985). High degree efficient symmetrical Gaussian quadrature rules for the
 //!   triangle. International Journal for Numerical Methods in Engineering 21, 1129–1148.
+//! - Shewchuk J. R. (1997). Adaptive precision floating-point arithmetic and fast robust geometric
+//!   predicates. Discrete & Computational Geometry 18, 305–363.
 //! - Sutherland I. E., Hodgman G. W. (1974). Reentrant polygon clipping. Communications of the ACM 17,
 //!   32–42.
 //!

@@ -3,7 +3,8 @@
 //! Nodes are the finite-element nodes in the mesh's order, then the material points, region by
 //! region. Immutable once built.
 
-mod bodies;
+pub mod bodies;
+pub mod node_axes;
 mod splice;
 
 use crate::assembly::ElementStiffness;
@@ -24,12 +25,14 @@ use crate::peridynamics::lattice::{
     Lattice, LatticeSettings, Neighbourhood, ON_BOUNDARY, lattice_beside,
 };
 use crate::peridynamics::surface::{Surface, SurfaceCorrection, SurfaceError};
+use crate::peridynamics::visibility::Visibility;
 use crate::springs::Springs;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 use thiserror::Error;
 
+pub use node_axes::NodeAxes;
 pub use splice::Splice;
 
 /// A part of the body: which cells of the mesh, what material, which method.
@@ -144,6 +147,8 @@ pub struct Model {
     pub splice: Option<Splice>,
     /// Whether each spring is there at the start: false where it meets an initial crack.
     pub intact: Vec<bool>,
+    /// Axes of nodes that are held along neither x nor y.
+    pub node_axes: NodeAxes,
 }
 
 #[derive(Debug, Error)]
@@ -214,6 +219,7 @@ impl Model {
             clipped_from: Vec::new(),
             splice: None,
             intact: Vec::new(),
+            node_axes: NodeAxes::new(),
             leader,
             region_of: Vec::new(),
             mesh,
@@ -411,7 +417,9 @@ impl Model {
                 let shares = positions.map(|&x| sites.shares[sites.nearest(x)]);
                 lattice.areas = shares.map(|share| share * dx * dx).collect();
             }
-            if lattice.positions.is_empty() {
+            let [low, high] = turned.bounds();
+            let is_larger = (0..2).all(|k| settings.lattice.spacing > high[k] - low[k]);
+            if lattice.positions.is_empty() || is_larger {
                 return Err(ModelError::NoMaterialPoint {
                     region: region.name.clone(),
                 });
@@ -422,8 +430,10 @@ impl Model {
                 positions, areas, ..
             } = &lattice;
             let thickness = self.settings.thickness;
-            let mut bonds = bonds(&lattice, &micromodulus, thickness, first as u32);
-            let surface = self.surface(region, &turned, &settings, &micromodulus)?;
+            let visibility = self.visibility(&axes, &micromodulus);
+            let first_node = first as u32;
+            let mut bonds = bonds(&lattice, &micromodulus, thickness, first_node, &visibility);
+            let surface = self.surface(region, &turned, &settings, &micromodulus, &visibility)?;
             if let Some(surface) = &surface {
                 surface.correct(&mut bonds, positions, first as u32);
             }
@@ -436,6 +446,7 @@ impl Model {
                     areas,
                     micromodulus: &micromodulus,
                     surface: surface.as_ref(),
+                    visibility: &visibility,
                     thickness,
                     first_node: first as u32,
                 });
@@ -518,6 +529,7 @@ impl Model {
         turned: &Outline,
         settings: &PeridynamicSettings,
         micromodulus: &Micromodulus,
+        visibility: &Visibility,
     ) -> Result<Option<Surface>, ModelError> {
         if settings.surface_correction == SurfaceCorrection::None {
             return Ok(None);
@@ -528,11 +540,18 @@ impl Model {
             &settings.lattice.axes().outline(&self.body_outline()),
             &settings.lattice.along_axes(),
             micromodulus,
+            visibility,
         );
         surface.map(Some).map_err(|source| ModelError::Surface {
             region: region.name.clone(),
             source,
         })
+    }
+
+    /// What the points of a lattice see of each other, along its axes.
+    pub fn visibility(&self, axes: &Axes, micromodulus: &Micromodulus) -> Visibility {
+        let body = axes.outline(&self.body_outline());
+        Visibility::new(&body, micromodulus.spacing, micromodulus.reach())
     }
 
     /// The outline of all regions together.
@@ -560,13 +579,26 @@ impl Model {
             let ends = self.interface_nodes(points, &lumped, node_area);
             let fe_nodes = self.positions.len() - self.areas.len();
             let range = points.nodes.start - fe_nodes..points.nodes.end - fe_nodes;
+            let Method::Peridynamics(settings) = self.regions[points.region].method else {
+                continue;
+            };
+            let axes = settings.lattice.axes();
+            let visibility = self.visibility(&axes, &points.micromodulus);
+            let positions = self.positions[points.nodes.clone()].iter();
+            let positions: Vec<[f64; 2]> = positions.map(|&x| axes.local(x)).collect();
+            let local = |end: InterfaceNode| InterfaceNode {
+                position: axes.local(end.position),
+                ..end
+            };
+            let ends: Vec<InterfaceNode> = ends.into_iter().map(local).collect();
             self.springs.append(trusses(
                 &ends,
-                &self.positions[points.nodes.clone()],
+                &positions,
                 &self.areas[range],
                 &points.micromodulus,
                 self.settings.thickness,
                 points.nodes.start as u32,
+                &visibility,
             ));
         }
     }

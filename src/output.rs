@@ -3,8 +3,10 @@
 //! The layer takes plain data in SI units and knows no mechanics. Every file appears under its
 //! name only when it is complete.
 
+pub mod animation;
 pub mod colour;
 pub mod field;
+pub mod markup;
 mod packed;
 pub mod picture;
 pub mod pvd;

@@ -9,3 +9,4 @@ pub mod lattice;
 pub mod least_squares;
 pub mod point_index;
 pub mod surface;
+pub mod visibility;

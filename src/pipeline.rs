@@ -2,15 +2,19 @@
 //! stale) → [`run`].
 
 mod bits;
+mod charts;
 mod checkpoint;
 pub mod costs;
 pub mod damage_picture;
+mod deformed;
 mod drafter;
 mod files;
 pub mod folder;
 pub mod fracture;
 pub mod history;
 mod made;
+mod maps;
+mod mesh_picture;
 mod meshing;
 pub mod parameters;
 mod parts;
@@ -20,6 +24,8 @@ pub mod profile;
 pub mod quantity;
 mod reader;
 mod recipe;
+mod reel;
+pub mod report;
 pub mod results;
 pub mod run;
 pub mod schema;
@@ -33,5 +39,6 @@ pub mod study;
 pub mod study_engines;
 pub mod study_table;
 pub mod validate;
+pub mod view;
 mod workshop;
 pub mod yaml;

@@ -9,6 +9,7 @@ use crate::linear_solver::compliance::UnitLoads;
 use crate::linear_solver::held::Held;
 use crate::linear_solver::{Factor, SolverError};
 use crate::model::Model;
+use crate::model::node_axes::direction;
 use crate::phases::Phases;
 use crate::support::{self, NotHeld};
 use faer::Mat;
@@ -19,7 +20,8 @@ use thiserror::Error;
 pub use crate::linear_solver::Method;
 pub use estimate::Estimate;
 
-/// Displacements of all nodes, and what holds them.
+/// Displacements of all nodes, and what holds them; from a [`Solver`] in the axes of the nodes
+/// ([`crate::model::node_axes`]), from [`solve`] along x and y.
 #[derive(Clone, Debug)]
 pub struct Solution {
     /// u of every node [m].
@@ -148,7 +150,12 @@ pub fn solve_by(
     })?;
     let pinned: Vec<Vec<usize>> = unsupported.into_iter().map(|part| part.nodes).collect();
     let solver = Solver::with_method(model, boundary, method, phases)?;
-    solver.solve(&model.intact, &pinned, phases)
+    let solution = solver.solve(&model.intact, &pinned, phases)?;
+    Ok(Solution {
+        displacement: model.in_space(&solution.displacement),
+        reaction: model.in_space(&solution.reaction),
+        ..solution
+    })
 }
 
 /// What stays the same while bonds break: elements, the pattern of K, the structure of L.
@@ -181,6 +188,10 @@ impl<'a> Solver<'a> {
         method: Option<Method>,
         phases: &mut Phases,
     ) -> Result<Solver<'a>, StaticsError> {
+        assert_eq!(
+            model.node_axes, boundary.node_axes,
+            "`Model::with_node_axes` has been given the supports' axes"
+        );
         let structure = Structure::new(model, method, phases)?;
         Ok(Solver {
             diagonal: structure.mean_diagonal(&model.springs, boundary.load.len()),
@@ -211,7 +222,7 @@ impl<'a> Solver<'a> {
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
         let system = self.system(intact, pinned, &BTreeSet::new(), phases);
-        let factor = self.factorise(&system, &[], phases);
+        let factor = self.factorise(&system, phases);
         let factor = factor.map_err(|error| self.locate(error))?;
         self.finish(&system, &system.case(self.boundary), &factor, None, phases)
     }
@@ -249,15 +260,9 @@ impl<'a> Solver<'a> {
         mechanisms: &mut BTreeSet<usize>,
         phases: &mut Phases,
     ) -> Result<Factorised, StaticsError> {
-        // Bonds will break near those that are gone.
-        let gone = (0..intact.len()).filter(|&spring| !intact[spring]);
-        let likely: Vec<u32> = gone
-            .flat_map(|s| self.model.springs.nodes(s))
-            .copied()
-            .collect();
         loop {
             let system = self.system(intact, pinned, mechanisms, phases);
-            match self.factorise(&system, &likely, phases) {
+            match self.factorise(&system, phases) {
                 Ok(factor) => {
                     return Ok(Factorised {
                         system,
@@ -385,25 +390,19 @@ impl<'a> Solver<'a> {
             structure,
             ..
         } = self;
-        let stiffness = phases.measure("assembly", || {
-            structure.assemble(&model.positions, &model.springs, intact)
-        });
+        let stiffness = phases.measure("assembly", || structure.assemble(model, intact));
         System::new(stiffness, boundary, pinned, mechanisms)
     }
 
-    fn factorise(
-        &self,
-        system: &System,
-        likely: &[u32],
-        phases: &mut Phases,
-    ) -> Result<Factor, SolverError> {
+    fn factorise(&self, system: &System, phases: &mut Phases) -> Result<Factor, SolverError> {
         let held = Held {
             dofs: &system.is_held,
             diagonal: self.diagonal,
         };
-        let positions = &self.model.positions;
+        let (positions, stiffness) = (&self.model.positions, &system.stiffness);
+        // Nothing is kept before the first change: many runs never come to it.
         phases.measure("factorisation", || {
-            (self.structure).factorise(positions, &system.stiffness, held, likely)
+            (self.structure).factorise(positions, stiffness, held, &[])
         })
     }
 
@@ -594,8 +593,8 @@ impl Factorised {
         let case = self.system.case(case);
         let mut force = self.force(&u);
         for &spring in gone {
-            let elongation = springs.length(spring, positions)
-                * springs.stretch(spring, positions, &displacement);
+            let elongation =
+                springs.length(spring, positions) * model.stretch(spring, &displacement);
             let taken = -springs.stiffness[spring] * elongation;
             add_spring_force(&mut force, model, spring, taken);
         }
@@ -630,8 +629,7 @@ impl Factorised {
 /// Adds f w, or what of it acts: [`Model::first_loaded_node`].
 fn add_spring_force(force: &mut [f64], model: &Model, spring: usize, f: f64) {
     let first = model.first_loaded_node();
-    let (springs, positions) = (&model.springs, &model.positions);
-    springs.for_each_term(spring, positions, |node, w| {
+    model.for_each_term(spring, |node, w| {
         let node = node as usize;
         if node >= first {
             force[2 * node] += f * w[0];
@@ -705,12 +703,10 @@ impl System {
         }
         Case {
             prescribed,
-            load: boundary
-                .load
-                .iter()
-                .zip(&boundary.overlap_load)
-                .map(|(a, b)| a + b)
-                .collect(),
+            load: {
+                let all = boundary.load.iter().zip(&boundary.overlap_load);
+                boundary.in_own_axes(all.map(|(a, b)| a + b).collect())
+            },
             own_share: &boundary.own_share,
         }
     }
@@ -797,11 +793,14 @@ impl Case<'_> {
     }
 }
 
-/// Sum of the nodes' reactions on each group that prescribes a displacement [N].
+/// Sum of the nodes' reactions on each group that prescribes a displacement, from those along x and y [N].
 pub fn group_reactions(boundary: &Boundary, reaction: &[[f64; 2]]) -> BTreeMap<String, [f64; 2]> {
     let mut sums: BTreeMap<String, [f64; 2]> = BTreeMap::new();
     for (&dof, (_, group)) in &boundary.prescribed {
-        sums.entry(group.clone()).or_default()[dof % 2] += reaction[dof / 2][dof % 2];
+        let sum = sums.entry(group.clone()).or_default();
+        let [x, y] = direction(&boundary.node_axes, dof);
+        let along = x * reaction[dof / 2][0] + y * reaction[dof / 2][1];
+        *sum = [sum[0] + along * x, sum[1] + along * y];
     }
     sums
 }

@@ -3,6 +3,7 @@
 
 use crate::boundary::Boundary;
 use crate::model::Model;
+use crate::model::node_axes::direction;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -214,8 +215,10 @@ impl FreeMotions {
         for &node in nodes {
             let [x, y] = arm(node).map(|a| a / size);
             let rows = [Vector3::new(1.0, 0.0, -y), Vector3::new(0.0, 1.0, x)];
-            for (axis, row) in rows.iter().enumerate() {
-                if boundary.prescribed.contains_key(&(2 * node + axis)) {
+            for dof in [2 * node, 2 * node + 1] {
+                if boundary.prescribed.contains_key(&dof) {
+                    let [cx, cy] = direction(&boundary.node_axes, dof);
+                    let row = rows[0] * cx + rows[1] * cy;
                     held += row * row.transpose();
                 }
             }

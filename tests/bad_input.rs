@@ -194,7 +194,17 @@ fn meshes_that_do_not_fit() {
         "the order is at most 2",
         "Mesh.ElementOrder = 2;",
     ];
-    assert_edit("order: 2", "order: 3", &cubic);
+    assert_geo(
+        "Mesh.ElementOrder = order;",
+        "Mesh.ElementOrder = 3;",
+        &cubic,
+    );
+    // Before Gmsh is asked: the script offers two orders.
+    let choices = [
+        "bar.yaml:5:37",
+        "parameter 'order' of geo/bar.geo must be 1 or 2, not 3",
+    ];
+    assert_edit("order: 2", "order: 3", &choices);
     // The band is not meshed.
     let hidden =
         "\nHide { Surface{:}; } Show { Surface{70}; Surface{72}; }\nMesh.MeshOnlyVisible = 1;\n";
@@ -766,4 +776,52 @@ proptest! {
             prop_assert!(!shown.contains("Failed to read contents"), "{shown}");
         }
     }
+}
+
+#[test]
+fn loads_and_supports_of_every_kind() {
+    let edit = |new: &str, message: &[&str]| {
+        let load = "  - { group: load, traction: { x: 1.05 MPa } }";
+        assert_edit(load, new, message);
+    };
+    edit(
+        "  - { group: load, force: { x: 1 MPa } }",
+        &["bar.yaml:19:", "`1 MPa` is a pressure", "a force"],
+    );
+    edit(
+        "  - { group: load, force: {} }",
+        &["this force has no component"],
+    );
+    edit(
+        "  - { group: load, displacement: { x: 0, normal: 0 } }",
+        &["along `x` and `y`, or along `normal` and `tangential`"],
+    );
+    edit(
+        "  - { group: load, displacement: { angle: 30 deg } }",
+        &["this displacement has no component"],
+    );
+    edit(
+        "  - { group: load, displacement: { x: 0, angle: steep } }",
+        &["`steep` is not an angle"],
+    );
+    edit(
+        "  - { group: load, body_force: { y: 1 kN/m^3 } }",
+        &["there is no physical surface `load`"],
+    );
+    edit(
+        "  - { group: band, force: { y: 1 kN } }",
+        &["is a surface", "only a `body_force`"],
+    );
+    edit(
+        "gravity: { y: -9.81 m/s^2 }",
+        &["`gravity` acts on nothing", "`density: 2400 kg/m^3`"],
+    );
+    edit(
+        "  - { group: corner, displacement: { normal: 0 } }",
+        &["group `corner` has no normal", "an `angle`"],
+    );
+    edit(
+        "  - { group: clamp, displacement: { x: 1 µm, angle: 30 deg } }",
+        &["that contradict each other", "possible together"],
+    );
 }

@@ -88,16 +88,17 @@ fn every_format_gives_the_solution_of_the_geometry() {
         ("group: clamp", "group: 204"),
         ("group: load", "group: 205"),
     ];
-    for (file, rename) in [
-        ("mesh.inp", &[][..]),
-        ("mesh.bdf", &nastran[..]),
-        ("mesh.vtu", &[]),
-        ("mesh.vtk", &[]),
-        ("mesh.med", &[]),
-        ("gmsh.inp", &[]),
-        ("gmsh.med", &[]),
-        ("mesh22.msh", &[]),
-        ("mesh41.msh", &[]),
+    // Where every digit is written, the same bits. meshio writes 12 digits into a .bdf, Gmsh 14 into an .inp.
+    for (file, rename, tolerance) in [
+        ("mesh.inp", &[][..], 0.0),
+        ("mesh.bdf", &nastran[..], 1e-12),
+        ("mesh.vtu", &[], 0.0),
+        ("mesh.vtk", &[], 0.0),
+        ("mesh.med", &[], 0.0),
+        ("gmsh.inp", &[], 1e-11),
+        ("gmsh.med", &[], 0.0),
+        ("mesh22.msh", &[], 0.0),
+        ("mesh41.msh", &[], 0.0),
     ] {
         let summary = summary(&place, &pipeline(&format!("geo/{file}"), rename));
         for key in [
@@ -122,7 +123,7 @@ fn every_format_gives_the_solution_of_the_geometry() {
                 b.abs()
             };
             assert!(
-                (a - b).abs() < 1e-12 * unit,
+                (a - b).abs() <= tolerance * unit,
                 "{file}, number {k}: {a:e}, {b:e}"
             );
         }

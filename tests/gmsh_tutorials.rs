@@ -12,7 +12,10 @@ const PAGE: &str = include_str!("../docs/gmsh_tutorials.md");
 const LIMIT: Duration = Duration::from_secs(120);
 
 /// Beginnings of messages, and what the page calls them.
-const OUTCOMES: [(&str, &str); 2] = [
+const OUTCOMES: [(&str, &str); 5] = [
+    (" writes a file", "more than a drawing"),
+    (" runs a program", "more than a drawing"),
+    (" computes the name of its file", "more than a drawing"),
     ("lie off the plane z = 0", "not flat"),
     (
         "the geometry has no physical surface; it has 0 plain surface(s)",

@@ -23,6 +23,7 @@ use peristitch::material::{Material, PlaneState};
 use peristitch::peridynamics::bonds::bonds;
 use peristitch::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, Lattice, LatticeSettings, Placement, lattice};
+use peristitch::peridynamics::visibility::Visibility;
 use peristitch::springs::{self, Springs};
 
 const DX: f64 = 2.5e-3;
@@ -83,7 +84,7 @@ fn moduli(lattice: &Lattice, bonds: &Springs, point: u32) -> [f64; 5] {
 fn young_ratios(kernel: Kernel, partial_area: PartialArea, m: f64) -> [f64; 2] {
     let lattice = points(&rectangle(13.0, 13.0), CellArea::Full);
     let modulus = micromodulus(kernel, partial_area, m, PlaneState::Stress);
-    let bonds = bonds(&lattice, &modulus, THICKNESS, 0);
+    let bonds = bonds(&lattice, &modulus, THICKNESS, 0, &Visibility::unlimited());
     let [c11, c22, c12, c66, c16] = moduli(&lattice, &bonds, 84);
     // The lattice has the square's symmetry: a missing bond would break it.
     assert!(
@@ -136,7 +137,7 @@ fn isotropised_micromoduli_give_the_lattice_the_moduli_of_the_material() {
                     [(PlaneState::Stress, 0.375), (PlaneState::Strain, 0.4)]
                 {
                     let modulus = micromodulus(kernel, partial_area, m, plane).isotropised();
-                    let bonds = bonds(&lattice, &modulus, THICKNESS, 0);
+                    let bonds = bonds(&lattice, &modulus, THICKNESS, 0, &Visibility::unlimited());
                     let [c11, c22, c12, c66, c16] = moduli(&lattice, &bonds, middle);
                     let errors = [
                         c11 / (3.0 * c12_expected) - 1.0,
@@ -191,7 +192,7 @@ fn inner_points_store_the_energy_of_the_lattice_s_moduli() {
     for plane in [PlaneState::Stress, PlaneState::Strain] {
         let lattice = points(&rectangle(16.0, 12.0), CellArea::Clipped);
         let modulus = micromodulus(Kernel::Quartic, PartialArea::Full, 4.0, plane);
-        let bonds = bonds(&lattice, &modulus, THICKNESS, 0);
+        let bonds = bonds(&lattice, &modulus, THICKNESS, 0, &Visibility::unlimited());
         let [c11, _, c12, c66, _] = moduli(&lattice, &bonds, 5 * 16 + 7);
         let [xx, yy, xy] = [1e-3, -0.4e-3, 0.3e-3];
         let density = 0.5

@@ -270,7 +270,9 @@ fn a_side_that_no_multiple_of_the_spacing_reaches() {
     name_curve(&mut mesh, "right and top", |x| {
         x[0] > 2.0 - 1e-9 || x[1] > 1.0 - 1e-9
     });
-    let method = Method::Peridynamics(paper_lattice(0.07, Placement::GridNodes));
+    let mut settings = paper_lattice(0.07, Placement::GridNodes);
+    settings.lattice.origin = Some([0.0; 2]);
+    let method = Method::Peridynamics(settings);
     let body = region(&mesh, &["left half", "right half"], steel(), method);
     let model = build(mesh, vec![body], PlaneState::Stress);
     let columns = model.positions.iter().filter(|x| x[1] < 1e-9).count();

@@ -243,7 +243,15 @@ fn the_series_lists_parts_that_exist() {
 
 #[test]
 fn pictures_show_something() {
-    for name in ["mesh.png", "displacement_x.png", "displacement_y.png"] {
+    for name in [
+        "mesh.png",
+        "displacement_x.png",
+        "displacement_y.png",
+        "stress_xx.png",
+        "stress_yy.png",
+        "stress_xy.png",
+        "principal_stress.png",
+    ] {
         let file = std::fs::File::open(result(name)).expect("a picture");
         let mut reader = png::Decoder::new(std::io::BufReader::new(file))
             .read_info()
@@ -300,7 +308,7 @@ fn the_summary_tells_where_the_time_went() {
 fn the_summary_tells_what_went_to_the_disk_and_what_memory_it_took() {
     let summary = summary();
     let number = |value: &Value| value.as_f64().expect("a number");
-    for (kind, ending, count) in [("vtu", ".vtu", 3), ("pictures", ".png", 3)] {
+    for (kind, ending, count) in [("vtu", ".vtu", 3), ("pictures", ".png", 7)] {
         let account = &summary["written"][kind];
         let files = summary["files"].as_array().expect("files").iter();
         let files: Vec<&str> = files
@@ -323,7 +331,7 @@ fn the_summary_tells_what_went_to_the_disk_and_what_memory_it_took() {
     // Positions, connectivity, offsets, types and fields of three parts; the bonds' displacements too.
     let points = 24 * (NODES + POINTS + NODES + POINTS);
     let [quads, vertices] = [(8 * 8 + 9) * ELEMENTS, (8 + 9) * POINTS];
-    let fields = (24 + 72 + 72) * (NODES + POINTS) + 8 * (ELEMENTS + POINTS) + 16 * POINTS;
+    let fields = (24 + 72 + 72) * (NODES + POINTS) + 8 * (ELEMENTS + POINTS) + (16 + 8) * POINTS;
     let lines = read_back(&result(&format!("{NAME}.pvd")))[2]["cells"]
         .as_u64()
         .expect("lines");

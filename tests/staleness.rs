@@ -8,7 +8,7 @@ use workplace::Workplace;
 
 const ALL: [&str; 3] = ["mesh", "solve", "output"];
 /// Every file of the results.
-const RESULTS: [&str; 9] = [
+const RESULTS: [&str; 15] = [
     "bar.pvd",
     "bar_elements.vtu",
     "bar_points.vtu",
@@ -16,8 +16,14 @@ const RESULTS: [&str; 9] = [
     "displacement_y.png",
     "mesh.bin",
     "mesh.png",
+    "principal_stress.png",
+    "report.html",
     "solution.bin",
+    "stress_xx.png",
+    "stress_xy.png",
+    "stress_yy.png",
     "summary.json",
+    "view.py",
 ];
 
 fn result(name: &str) -> String {
@@ -285,7 +291,7 @@ fn clean_removes_what_was_written_and_nothing_else() {
     place.run(&[]);
     let cleaned = place.call(&["clean", "bar.yaml"]).succeeded();
     assert!(
-        cleaned.out.contains("results/bar: 9 files removed"),
+        cleaned.out.contains("results/bar: 15 files removed"),
         "{}",
         cleaned.out
     );

@@ -27,6 +27,7 @@ use peristitch::peridynamics::isotropy::lattice_moduli;
 use peristitch::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, Lattice, LatticeSettings, Placement, lattice};
 use peristitch::peridynamics::surface::{Surface, SurfaceCorrection};
+use peristitch::peridynamics::visibility::Visibility;
 use peristitch::springs::Springs;
 use peristitch::verification::strips::energy_ratios;
 
@@ -72,9 +73,10 @@ fn corrected(
     micromodulus: &Micromodulus,
 ) -> (Lattice, Springs) {
     let points = lattice(region, &[], &CELLS);
-    let mut bonds = bonds(&points, micromodulus, THICKNESS, 7);
-    let surface =
-        Surface::new(correction, region, body, &CELLS, micromodulus).expect("positive factors");
+    let visibility = Visibility::new(body, DX, micromodulus.reach());
+    let mut bonds = bonds(&points, micromodulus, THICKNESS, 7, &visibility);
+    let surface = Surface::new(correction, region, body, &CELLS, micromodulus, &visibility);
+    let surface = surface.expect("positive factors");
     surface.correct(&mut bonds, &points.positions, 7);
     let pairs = bonds.pairs().iter();
     let pairs = pairs.map(|pair| pair.map(|node| node - 7)).collect();
@@ -181,7 +183,15 @@ fn band(correction: SurfaceCorrection, kernel: Kernel) -> Vec<([[f64; 2]; 2], f6
     let region = rectangle([40.0, 0.0], [40.0, 24.0]);
     let body = rectangle([0.0, 0.0], [120.0, 24.0]);
     let (points, bonds) = corrected(correction, &region, &body, &micromodulus);
-    let surface = Surface::new(correction, &region, &body, &CELLS, &micromodulus);
+    let visibility = Visibility::new(&body, DX, micromodulus.reach());
+    let surface = Surface::new(
+        correction,
+        &region,
+        &body,
+        &CELLS,
+        &micromodulus,
+        &visibility,
+    );
     let surface = surface.expect("positive factors");
     let of_bond = |ends: &[u32; 2]| {
         let [a, b] = ends.map(|node| points.positions[node as usize]);

@@ -2,6 +2,7 @@
 
 use crate::pipeline::damage_picture::DAMAGE_PICTURE;
 use crate::pipeline::plan::Plan;
+use crate::pipeline::report::REPORT_FILE;
 use crate::pipeline::scribe;
 use serde_json::Value;
 
@@ -30,17 +31,21 @@ pub(super) fn print_picture(plan: &Plan, summary: &Value) {
 
 pub(super) fn print_files(plan: &Plan, summary: &Value) {
     let folder = plan.folder.display();
+    let files = list_in(summary, "files");
+    let files = || files.iter().filter_map(Value::as_str);
+    if files().any(|file| file == REPORT_FILE) {
+        println!("  {folder}/{REPORT_FILE}  (all of it on one page, for a browser)");
+    }
     if !summary["fracture"].is_null() {
         println!("  {folder}/{}  (a line per step)", scribe::HISTORY_FILE);
     }
-    for file in list_in(summary, "files")
-        .iter()
-        .filter_map(Value::as_str)
-        .filter(|file| !file.ends_with(".vtu"))
-    {
+    for file in files() {
         let what = match file.rsplit('.').next() {
-            Some("pvd") => "open it in ParaView",
-            Some("png") => "picture",
+            // Listed by the series, or above, or meant for `view`.
+            Some("vtu" | "html" | "py") => continue,
+            Some("pvd") => "for ParaView: `peristitch view`",
+            Some("png" | "svg") => "picture",
+            Some("gif") => "the damage as it grows",
             _ => "sizes, times, versions",
         };
         println!("  {folder}/{file}  ({what})");

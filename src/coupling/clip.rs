@@ -24,7 +24,8 @@
 //!    u + Δη ∂u/∂η ([`stencil`]). Where all parts of the strip have a bond in common, their sum is the
 //!    plain bond, since Σ φ = 1 and Σ φ Δη = 0: away from the interface nothing is interpolated.
 //!
-//! A free side ends a chain at its last material point, as it ends a family anywhere else.
+//! A free side ends a chain at its last material point, as it ends a family anywhere else. No member
+//! joins two points that do not see each other ([`crate::peridynamics::visibility`]).
 //!
 //! A patch of uniform strain is exact to rounding if the lattice's moduli are the finite elements': the
 //! kernel must be isotropised.
@@ -40,6 +41,7 @@ use crate::peridynamics::bonds::family_offsets;
 use crate::peridynamics::kernel::Micromodulus;
 use crate::peridynamics::point_index::PointIndex;
 use crate::peridynamics::surface::Surface;
+use crate::peridynamics::visibility::Visibility;
 use crate::springs::Springs;
 use chain::Line;
 use rayon::prelude::*;
@@ -68,6 +70,8 @@ pub struct Region<'a> {
     pub micromodulus: &'a Micromodulus,
     /// What corrects bonds near free surfaces, if anything does.
     pub surface: Option<&'a Surface>,
+    /// What points see of each other, along the lattice's axes.
+    pub visibility: &'a Visibility,
     /// h_t [m].
     pub thickness: f64,
     /// The node of the first point.

@@ -19,6 +19,7 @@ use crate::peridynamics::axes::Axes;
 use crate::peridynamics::bonds::family_offsets;
 use crate::peridynamics::kernel::Micromodulus;
 use crate::peridynamics::lattice::Sites;
+use crate::peridynamics::visibility::Visibility;
 use std::collections::BTreeSet;
 use thiserror::Error;
 
@@ -333,6 +334,7 @@ pub fn ghost_bonds(
     elements: &Locator,
     micromodulus: &Micromodulus,
     free: &[Segment],
+    visibility: &Visibility,
 ) -> Result<Vec<GhostBond>, SpliceError> {
     let offsets = family_offsets(micromodulus);
     let mut found: Vec<Option<Option<crate::fem::locate::Held>>> =
@@ -343,6 +345,7 @@ pub fn ghost_bonds(
     by_point.sort_unstable();
     for (point, site) in by_point {
         let mut is_cut = false;
+        let view = visibility.from(lattice.sites.position(site));
         for &offset in &offsets {
             let Some(other) = lattice.neighbour(site, offset) else {
                 continue;
@@ -351,6 +354,10 @@ pub fn ghost_bonds(
                 continue;
             }
             let share = lattice.sites.shares[other];
+            // The body's surface is between.
+            if share > 0.0 && !view.sees(lattice.sites.position(other)) {
+                continue;
+            }
             let ghost = lattice.position(other);
             let held = *found[other].get_or_insert_with(|| {
                 // Off the body, whatever the slack of the elements.

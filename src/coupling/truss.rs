@@ -1,5 +1,5 @@
 //! The paper's coupling: a truss from every interface node to every material point within its
-//! horizon, Qian et al. (2021), eq. (20) and fig. 5.
+//! horizon that it sees ([`crate::peridynamics::visibility`]), Qian et al. (2021), eq. (20) and fig. 5.
 //!
 //! Eq. (20) is a force density. A truss has the stiffness k = c(ξ') A_FE A_j h_t / ξ', and the paper
 //! does not say what the node's area A_FE is: [`NodeArea`] are the readings. None passes a patch test:
@@ -7,6 +7,7 @@
 
 use crate::peridynamics::bonds::Bins;
 use crate::peridynamics::kernel::Micromodulus;
+use crate::peridynamics::visibility::Visibility;
 use crate::springs::Springs;
 
 /// The area A_FE of an interface node.
@@ -24,7 +25,7 @@ pub enum NodeArea {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InterfaceNode {
     pub node: u32,
-    /// [m].
+    /// Along the lattice's axes for [`trusses`] [m].
     pub position: [f64; 2],
     /// A_FE [m²].
     pub area: f64,
@@ -32,7 +33,8 @@ pub struct InterfaceNode {
 
 /// The trusses between `interface` and the material points, sorted by node, then by point.
 ///
-/// `points`, `areas`: of the material points [m, m²], whose nodes count from `first_node`.
+/// `points`, `areas`: of the material points [m, m²], whose nodes count from `first_node`. All positions
+/// are along the lattice's axes.
 pub fn trusses(
     interface: &[InterfaceNode],
     points: &[[f64; 2]],
@@ -40,16 +42,18 @@ pub fn trusses(
     micromodulus: &Micromodulus,
     thickness: f64,
     first_node: u32,
+    visibility: &Visibility,
 ) -> Springs {
     let reach = micromodulus.reach();
     let bins = Bins::new(points, reach);
     let mut trusses = Springs::default();
     for end in interface {
         let mut family = Vec::new();
+        let view = visibility.from(end.position);
         bins.visit_around(end.position, |j| {
             let x = points[j as usize];
             let along = [x[0] - end.position[0], x[1] - end.position[1]];
-            if along[0].hypot(along[1]) <= reach {
+            if along[0].hypot(along[1]) <= reach && view.sees(x) {
                 family.push((j, along));
             }
         });

@@ -100,6 +100,14 @@ pub fn area(kind: CellKind, coordinates: &[[f64; 2]]) -> f64 {
     mass_integral(&quadrature::full(kind), kind, coordinates, |_, _| 1.0)
 }
 
+/// ∫ N_a dA of the element's nodes [m²].
+pub fn shape_integrals(kind: CellKind, coordinates: &[[f64; 2]]) -> Vec<f64> {
+    let rule = quadrature::full(kind);
+    (0..kind.node_count())
+        .map(|a| mass_integral(&rule, kind, coordinates, |n, _| n[a]))
+        .collect()
+}
+
 /// Lumped "mass" areas of the nodes [m²] by Hinton, Rock & Zienkiewicz (1976): the element's area
 /// shared in the ratio of ∫ N_i² dA, on the 2 × 2 rule for quadrilaterals.
 ///

@@ -12,6 +12,7 @@
 
 use super::event::Load;
 use super::programme::Programme;
+use crate::model::node_axes::direction;
 use crate::statics::{Factorised, Solution};
 use std::collections::BTreeMap;
 
@@ -76,7 +77,7 @@ pub(super) fn of_programme(programme: &Programme) -> Vec<Functional> {
     let mut list = Vec::new();
     for phase in &programme.phases {
         let prescribed = phase.boundary.prescribed.iter();
-        let loads = phase.boundary.load.iter().copied().enumerate();
+        let loads = phase.boundary.own_load().into_iter().enumerate();
         list.push(Functional {
             of_reactions: true,
             weights: nonzero(prescribed.map(|(&dof, (value, _))| (dof, *value))),
@@ -88,7 +89,13 @@ pub(super) fn of_programme(programme: &Programme) -> Vec<Functional> {
     }
     let mut groups: BTreeMap<&str, [Vec<(usize, f64)>; 2]> = BTreeMap::new();
     for (&dof, (_, group)) in &programme.supports().prescribed {
-        groups.entry(group).or_default()[dof % 2].push((dof, 1.0));
+        let direction = direction(&programme.supports().node_axes, dof);
+        let lists = groups.entry(group).or_default();
+        for (list, g) in lists.iter_mut().zip(direction) {
+            if g != 0.0 {
+                list.push((dof, g));
+            }
+        }
     }
     let resultants = groups.into_values().flatten();
     list.extend(resultants.map(|weights| Functional {

@@ -160,20 +160,18 @@ impl Gone {
         let (known, mut new) = (self.dofs.len(), Vec::new());
         for &bond in bonds {
             let mut terms = Vec::new();
-            model
-                .springs
-                .for_each_term(bond, &model.positions, |node, w| {
-                    for (axis, w) in w.into_iter().enumerate() {
-                        let dof = 2 * node as usize + axis;
-                        let next = self.dofs.len();
-                        let place = *self.place.entry(dof).or_insert(next);
-                        if place == next {
-                            self.dofs.push(dof);
-                            new.push(zone.dofs.binary_search(&dof).expect("a dof of the zone"));
-                        }
-                        terms.push((place, w));
+            model.for_each_term(bond, |node, w| {
+                for (axis, w) in w.into_iter().enumerate() {
+                    let dof = 2 * node as usize + axis;
+                    let next = self.dofs.len();
+                    let place = *self.place.entry(dof).or_insert(next);
+                    if place == next {
+                        self.dofs.push(dof);
+                        new.push(zone.dofs.binary_search(&dof).expect("a dof of the zone"));
                     }
-                });
+                    terms.push((place, w));
+                }
+            });
             self.order.push(bond);
             let stiffness = model.springs.stiffness[bond];
             self.springs.push(Spring { stiffness, terms });

@@ -52,10 +52,7 @@ impl Solutions {
 
     /// Stretches of a spring under what is held, and per unit of λ.
     pub fn stretches(&self, problem: &Problem, spring: usize) -> [f64; 2] {
-        let Model {
-            springs, positions, ..
-        } = problem.model;
-        let stretch = |u: &Solution| springs.stretch(spring, positions, &u.displacement);
+        let stretch = |u: &Solution| problem.model.stretch(spring, &u.displacement);
         [self.held.as_ref().map_or(0.0, stretch), stretch(&self.unit)]
     }
 
@@ -67,6 +64,9 @@ impl Solutions {
         let Some(pair) = springs.pairs().get(spring) else {
             return self.stretches(problem, spring);
         };
+        if problem.model.has_turned_end(spring) {
+            return self.stretches(problem, spring);
+        }
         let [a, b] = pair.map(|node| node as usize);
         let [x, y] = [0, 1].map(|k| positions[b][k] - positions[a][k]);
         let over = 1.0 / (x * x + y * y);

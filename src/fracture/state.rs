@@ -248,10 +248,7 @@ impl State {
 
     /// Stretch of a spring [-].
     pub fn stretch(&self, model: &Model, spring: usize) -> f64 {
-        let Model {
-            springs, positions, ..
-        } = model;
-        springs.stretch(spring, positions, &self.displacement)
+        model.stretch(spring, &self.displacement)
     }
 
     /// The intact spring nearest to its limit, and its stretch over it [-].

@@ -176,17 +176,15 @@ impl Touched {
         let model = problem.model;
         let first = model.first_loaded_node();
         let (mut terms, mut acting) = (Vec::new(), Vec::new());
-        model
-            .springs
-            .for_each_term(spring, &model.positions, |node, w| {
-                for (axis, w) in w.into_iter().enumerate() {
-                    let place = self.place[&(2 * node as usize + axis)];
-                    terms.push((place, w));
-                    if node as usize >= first {
-                        acting.push((place, w));
-                    }
+        model.for_each_term(spring, |node, w| {
+            for (axis, w) in w.into_iter().enumerate() {
+                let place = self.place[&(2 * node as usize + axis)];
+                terms.push((place, w));
+                if node as usize >= first {
+                    acting.push((place, w));
                 }
-            });
+            }
+        });
         Spring {
             stiffness: model.springs.stiffness[spring],
             terms,

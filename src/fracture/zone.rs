@@ -107,7 +107,7 @@ impl Zone {
         } = problem.model;
         self.springs.push(spring);
         let mut is_at_rim = false;
-        springs.for_each_term(spring, positions, |node, [x, y]| {
+        problem.model.for_each_term(spring, |node, [x, y]| {
             if let Place::Inside(dof) | Place::Rim(dof) = places[node as usize] {
                 self.terms.extend([(dof, x), (dof + 1, y)]);
             }

@@ -190,7 +190,7 @@ pub fn read(bytes: &[u8]) -> Result<Outcome, String> {
             .collect();
         let is_sound = |&[cell, side]: &[usize; 2]| {
             container.cells.get(cell).is_some_and(|cell| {
-                let corners = if cell.kind.node_count() % 4 == 0 {
+                let corners = if cell.kind.node_count().is_multiple_of(4) {
                     4
                 } else {
                     3
@@ -198,7 +198,7 @@ pub fn read(bytes: &[u8]) -> Result<Outcome, String> {
                 cell.kind.dimension() == 2 && side < corners
             })
         };
-        if flat.len() % 2 != 0 || !pairs.iter().all(is_sound) {
+        if !flat.len().is_multiple_of(2) || !pairs.iter().all(is_sound) {
             return Err(format!("the surface `{name}` names a side that is none"));
         }
         container.side_sets.push((name, pairs));
@@ -207,7 +207,7 @@ pub fn read(bytes: &[u8]) -> Result<Outcome, String> {
 }
 
 fn triples(numbers: Vec<f64>) -> Result<Vec<[f64; 3]>, String> {
-    if numbers.len() % 3 != 0 || !numbers.iter().all(|number| number.is_finite()) {
+    if !numbers.len().is_multiple_of(3) || !numbers.iter().all(|number| number.is_finite()) {
         return Err("a coordinate is missing or no number".to_owned());
     }
     let triples = numbers.chunks_exact(3);

@@ -147,7 +147,7 @@ fn counter_clockwise(
     order: Order,
 ) -> (Vec<usize>, bool) {
     let mut nodes = in_order(&cell.nodes, order);
-    let corners = if nodes.len() % 4 == 0 { 4 } else { 3 };
+    let corners = if nodes.len().is_multiple_of(4) { 4 } else { 3 };
     let at = positions(container, &nodes[..corners]);
     let [x0, y0] = at[0];
     let twice_area: f64 = (0..corners)
@@ -359,8 +359,11 @@ fn gmsh_kind(kind: Kind) -> (i32, &'static str, usize) {
     }
 }
 
-/// Dimension and name → kind → tag → nodes.
-type Groups = BTreeMap<(u8, String), BTreeMap<Kind, BTreeMap<u64, Vec<usize>>>>;
+/// Tag → nodes.
+type Members = BTreeMap<u64, Vec<usize>>;
+/// Dimension and name, and what is in each group.
+type GroupKey = (u8, String);
+type Groups = BTreeMap<GroupKey, BTreeMap<Kind, Members>>;
 
 struct Builder<'a> {
     container: &'a Container,
@@ -460,7 +463,7 @@ impl Builder<'_> {
     fn side(&self, index: usize, side: usize) -> Edge {
         let cell = &self.container.cells[index];
         let nodes = in_order(&cell.nodes, self.orders[&cell.kind]);
-        let corners = if nodes.len() % 4 == 0 { 4 } else { 3 };
+        let corners = if nodes.len().is_multiple_of(4) { 4 } else { 3 };
         Edge {
             ends: [nodes[side], nodes[(side + 1) % corners]],
             middle: nodes.get(corners + side).copied(),
@@ -482,31 +485,30 @@ impl Builder<'_> {
         });
         let nodes = nodes.collect();
         let groups = std::mem::take(&mut self.groups).into_iter().zip(1..);
-        let group =
-            |((key, blocks), tag): ((_, BTreeMap<Kind, BTreeMap<u64, Vec<usize>>>), i32)| {
-                let (dimension, name): (u8, String) = key;
-                let block = |(kind, members): (Kind, BTreeMap<u64, Vec<usize>>)| {
-                    let (number, kind_name, order) = gmsh_kind(kind);
-                    Block {
-                        kind: number,
-                        kind_name: kind_name.to_owned(),
-                        order,
-                        nodes_per_element: kind.node_count(),
-                        tags: members.keys().copied().collect(),
-                        nodes: members
-                            .into_values()
-                            .flatten()
-                            .map(|node| place[node])
-                            .collect(),
-                    }
-                };
-                Group {
-                    dimension,
-                    tag,
-                    name,
-                    blocks: blocks.into_iter().map(block).collect(),
+        let group = |((key, blocks), tag): ((GroupKey, BTreeMap<Kind, Members>), i32)| {
+            let (dimension, name) = key;
+            let block = |(kind, members): (Kind, Members)| {
+                let (number, kind_name, order) = gmsh_kind(kind);
+                Block {
+                    kind: number,
+                    kind_name: kind_name.to_owned(),
+                    order,
+                    nodes_per_element: kind.node_count(),
+                    tags: members.keys().copied().collect(),
+                    nodes: members
+                        .into_values()
+                        .flatten()
+                        .map(|node| place[node])
+                        .collect(),
                 }
             };
+            Group {
+                dimension,
+                tag,
+                name,
+                blocks: blocks.into_iter().map(block).collect(),
+            }
+        };
         Extract {
             origin: Origin {
                 program: "meshio".to_owned(),

@@ -14,6 +14,7 @@
 use super::{Interface, Method, Model, ModelError, PointRegion, Region};
 use crate::geometry::Outline;
 use crate::mesh::Mesh;
+use crate::peridynamics::axes::dominant_angle;
 use crate::springs::Springs;
 
 /// For every region the one that leads its lattice; itself where it touches no other.
@@ -41,6 +42,53 @@ pub(super) fn leaders(mesh: &Mesh, regions: &[Region]) -> Result<Vec<usize>, Mod
         }
     }
     Ok(leader)
+}
+
+/// Gives lattices whose angle is not chosen that of most of their region's outline, see
+/// [`dominant_angle`]; regions that touch each other have one lattice, and one that is chosen holds for all.
+pub fn turn_lattices(mesh: &Mesh, regions: &mut [Region], by_default: &[bool]) {
+    let lattices: Vec<usize> = (0..regions.len())
+        .filter(|&r| regions[r].method != Method::FiniteElements)
+        .collect();
+    let mut done = vec![false; regions.len()];
+    for &first in &lattices {
+        if done[first] {
+            continue;
+        }
+        let mut together = vec![first];
+        done[first] = true;
+        let mut next = 0;
+        while let Some(&region) = together.get(next) {
+            next += 1;
+            for &other in &lattices {
+                let touches = || mesh.shared_edges(&regions[region].cells, &regions[other].cells);
+                if !done[other] && !touches().is_empty() {
+                    done[other] = true;
+                    together.push(other);
+                }
+            }
+        }
+        together.sort_unstable();
+        let angle_of = |region: &Region| match region.method {
+            Method::Peridynamics(settings) => settings.lattice.angle,
+            Method::FiniteElements => 0.0,
+        };
+        let chosen = together.iter().find(|&&r| !by_default[r]);
+        let angle = chosen.map_or_else(
+            || {
+                let cells = together.iter().flat_map(|&r| regions[r].cells.clone());
+                let mut cells: Vec<usize> = cells.collect();
+                cells.sort_unstable();
+                dominant_angle(&Outline::of_cells(mesh, &cells))
+            },
+            |&r| angle_of(&regions[r]),
+        );
+        for &region in together.iter().filter(|&&r| by_default[r]) {
+            if let Method::Peridynamics(settings) = &mut regions[region].method {
+                settings.lattice.angle = angle;
+            }
+        }
+    }
 }
 
 /// How far from its ends, in its lengths, it is asked which regions a spring begins and ends in: ends may

@@ -11,6 +11,7 @@ use crate::fem::locate::Locator;
 use crate::geometry::{Outline, chords};
 use crate::mesh::Edge;
 use crate::peridynamics::lattice::Sites;
+use crate::peridynamics::visibility::Visibility;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -106,9 +107,11 @@ impl Model {
                 }
             }
             let free = self.free_segments(points);
-            let bonds = ghost_bonds(&lattice, &elements, &points.micromodulus, &free);
+            let visibility = self.visibility(&axes, &points.micromodulus);
+            let micromodulus = &points.micromodulus;
+            let bonds = ghost_bonds(&lattice, &elements, micromodulus, &free, &visibility);
             let bonds = bonds.map_err(failed)?;
-            let stiffness = self.ghost_stiffness(points, &settings, &bonds)?;
+            let stiffness = self.ghost_stiffness(points, &settings, &bonds, &visibility)?;
             for (bond, stiffness) in bonds.iter().zip(stiffness) {
                 let ends = [self.positions[bond.point as usize], bond.ghost];
                 let shares = self.ghost_shares(bond);
@@ -147,11 +150,13 @@ impl Model {
         points: &PointRegion,
         settings: &PeridynamicSettings,
         bonds: &[GhostBond],
+        visibility: &Visibility,
     ) -> Result<Vec<f64>, ModelError> {
         let region = &self.regions[points.region];
         let axes = settings.lattice.axes();
         let turned = axes.outline(&points.outline);
-        let surface = self.surface(region, &turned, settings, &points.micromodulus)?;
+        let micromodulus = &points.micromodulus;
+        let surface = self.surface(region, &turned, settings, micromodulus, visibility)?;
         let cell = points.micromodulus.spacing.powi(2);
         let first = self.fe_node_count();
         let stiffness = |bond: &GhostBond| {

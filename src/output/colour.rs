@@ -1,4 +1,12 @@
-//! The colours of pictures: a perceptually uniform map for values, muted ones for regions.
+//! The colours of pictures: perceptually uniform maps for values, muted colours for regions.
+//!
+//! Values of one sign have viridis. Values of both have a map that diverges from white at zero; it is
+//! straight in lightness L of Oklab (Ottosson 2020) on both sides, so that equal steps look equal and a
+//! print in grey still tells the magnitude, and a shade off white, so that a crack that gapes is apart:
+//!
+//! ```text
+//! L = 0.95 − 0.55 t,  chroma 0.15 t^(3/4),  hue 258° (blue, negative) or 30° (red, positive);  t = |v|/v_max
+//! ```
 
 /// Red, green, blue.
 pub type Rgb = [u8; 3];
@@ -72,6 +80,41 @@ pub fn viridis(share: f64) -> Rgb {
     [colour.r, colour.g, colour.b]
 }
 
+/// The diverging map: blue at 0, white at 1/2, red at 1; values outside are clamped.
+pub fn diverging(share: f64) -> Rgb {
+    let signed = 2.0 * share.clamp(0.0, 1.0) - 1.0;
+    let t = signed.abs();
+    let hue: f64 = if signed < 0.0 { 258.0 } else { 30.0 };
+    let (sin, cos) = hue.to_radians().sin_cos();
+    let chroma = 0.15 * t.powf(0.75);
+    from_oklab([0.95 - 0.55 * t, chroma * cos, chroma * sin])
+}
+
+/// Oklab to sRGB, both after Ottosson (2020).
+fn from_oklab([lightness, a, b]: [f64; 3]) -> Rgb {
+    let cone = [
+        lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b,
+        lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b,
+        lightness - 0.089_484_177_5 * a - 1.291_485_548_0 * b,
+    ]
+    .map(|root| root * root * root);
+    let linear = [
+        [4.076_741_662_1, -3.307_711_591_3, 0.230_969_929_2],
+        [-1.268_438_004_6, 2.609_757_401_1, -0.341_319_396_5],
+        [-0.004_196_086_3, -0.703_418_614_7, 1.707_614_701_0],
+    ]
+    .map(|row: [f64; 3]| row.iter().zip(cone).map(|(m, c)| m * c).sum::<f64>());
+    linear.map(|channel| {
+        let channel = channel.clamp(0.0, 1.0);
+        let encoded = if channel <= 0.003_130_8 {
+            12.92 * channel
+        } else {
+            1.055 * channel.powf(1.0 / 2.4) - 0.055
+        };
+        (255.0 * encoded).round() as u8
+    })
+}
+
 /// Values to colours: the range of a field and, for speed, the map as a table.
 #[derive(Clone, Debug)]
 pub struct ColourScale {
@@ -79,6 +122,10 @@ pub struct ColourScale {
     pub max: f64,
     table: Vec<Rgb>,
 }
+
+/// A field has both signs if the lesser extreme is at least this share of the larger one; less is the
+/// noise of a field of one sign.
+const BOTH_SIGNS: f64 = 0.05;
 
 /// Steps of the table: more than a monitor tells apart.
 const TABLE_STEPS: usize = 1024;
@@ -93,11 +140,24 @@ impl ColourScale {
         let widen = |(min, max): (f64, f64), v: f64| (min.min(v), max.max(v));
         let (min, max) = values.fold((f64::INFINITY, f64::NEG_INFINITY), widen);
         let (min, max) = if min <= max { (min, max) } else { (0.0, 0.0) };
-        let share = |step: usize| step as f64 / (TABLE_STEPS - 1) as f64;
         ColourScale {
             min,
             max,
-            table: (0..TABLE_STEPS).map(|step| viridis(share(step))).collect(),
+            table: table(viridis),
+        }
+    }
+
+    /// Symmetric about zero, in the diverging map, if the range has both signs.
+    #[must_use]
+    pub fn signed(self) -> ColourScale {
+        let [lesser, most] = [f64::min, f64::max].map(|of| of(-self.min, self.max));
+        if lesser < BOTH_SIGNS * most || self.is_constant() {
+            return self;
+        }
+        ColourScale {
+            min: -most,
+            max: most,
+            table: table(diverging),
         }
     }
 
@@ -116,6 +176,11 @@ impl ColourScale {
     }
 }
 
+fn table(map: impl Fn(f64) -> Rgb) -> Vec<Rgb> {
+    let share = |step: usize| step as f64 / (TABLE_STEPS - 1) as f64;
+    (0..TABLE_STEPS).map(|step| map(share(step))).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -128,6 +193,65 @@ mod tests {
         for (channel, published) in middle.into_iter().zip([33, 145, 140]) {
             assert!((channel - published).abs() <= 3, "{middle:?}");
         }
+    }
+
+    /// CIE lightness L* of an sRGB colour: not the one that the map is made from.
+    fn lightness(colour: Rgb) -> f64 {
+        let linear = colour.map(|channel| {
+            let c = f64::from(channel) / 255.0;
+            if c <= 0.04045 {
+                c / 12.92
+            } else {
+                ((c + 0.055) / 1.055).powf(2.4)
+            }
+        });
+        let y = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
+        116.0 * y.cbrt() - 16.0
+    }
+
+    #[test]
+    fn oklab_has_its_published_white_and_red() {
+        assert_eq!(from_oklab([1.0, 0.0, 0.0]), [255; 3]);
+        let red = from_oklab([0.627_955, 0.224_863, 0.125_846]);
+        assert_eq!(red, [255, 0, 0]);
+    }
+
+    #[test]
+    fn the_diverging_map_is_white_at_zero_and_falls_alike_to_both_sides() {
+        let middle = diverging(0.5);
+        assert!(
+            middle.iter().all(|&c| (235..245).contains(&c)),
+            "{middle:?}"
+        );
+        let [blue, red] = [diverging(0.0), diverging(1.0)];
+        assert!(
+            blue[2] > blue[0] + 80 && red[0] > red[2] + 80,
+            "{blue:?} {red:?}"
+        );
+        for step in 0..20 {
+            let t = f64::from(step) / 40.0;
+            let [low, high] = [0.5 - t, 0.5 + t].map(|share| lightness(diverging(share)));
+            // Hues differ in what L* makes of them.
+            assert!((low - high).abs() < 6.0, "{t}: {low} {high}");
+            for sign in [-1.0, 1.0] {
+                let next = lightness(diverging(0.5 + sign * (t + 0.025)));
+                let fall = lightness(diverging(0.5 + sign * t)) - next;
+                assert!((2.0..5.0).contains(&fall), "{t} {sign}: {fall}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_scale_of_both_signs_is_symmetric() {
+        let signed = |values: [f64; 2]| ColourScale::of(values.into_iter()).signed();
+        let both = signed([-1.0, 4.0]);
+        assert_eq!((both.min, both.max), (-4.0, 4.0));
+        assert_eq!(both.colour(4.0), diverging(1.0));
+        assert_eq!(both.colour(-4.0), diverging(0.0));
+        for one in [signed([-0.1, 4.0]), signed([1.0, 4.0]), signed([0.0, 4.0])] {
+            assert_eq!(one.colour(4.0), viridis(1.0));
+        }
+        assert!(signed([0.0, 0.0]).is_constant());
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Pictures of a mesh, of a field on it and of a run's course, as PNG.
+//! Pictures of a mesh, of a field on it and of a run's course, as PNG and SVG.
 //!
 //! [`mesh::MeshPicture`] shows the regions with their cells, material points and interfaces;
 //! [`field::FieldPicture`] a scalar over both. They take polygons and squares in metres and know
@@ -9,10 +9,14 @@ pub mod chart;
 pub mod field;
 pub mod mesh;
 
+mod composition;
 mod frame;
 mod labels;
 mod legend;
+mod page;
 mod raster;
+mod shape;
+mod svg;
 mod text;
 mod ticks;
 
@@ -20,12 +24,12 @@ use super::colour::Rgb;
 use super::{WriteError, write_whole};
 use crate::geometry::chords_of;
 use crate::mesh::{Cell, CellKind};
-use frame::{Frame, Page};
+use frame::Frame;
 use std::path::Path;
 
 pub use chart::{Axis, Chart, Curve, Mark};
+pub use composition::Composition;
 pub use field::{Facet, FieldPicture, Square};
-pub use frame::PageError;
 pub use mesh::{Dot, Filling, MeshPicture, Patch, Region};
 
 /// A finished picture.
@@ -36,20 +40,6 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Adds axes and what `annotate` draws to the plot's inside.
-    fn compose(
-        frame: Frame,
-        plot: &[Rgb],
-        annotate: impl FnOnce(&Page) -> Result<(), PictureError>,
-    ) -> Result<Picture, PictureError> {
-        let mut rgb = vec![0; 3 * (frame.page[0] * frame.page[1]) as usize];
-        let page = Page::new(&frame, plot, &mut rgb);
-        page.draw_axes(&frame)?;
-        annotate(&page)?;
-        page.finish()?;
-        Ok(Picture { frame, rgb })
-    }
-
     /// Width and height [pixels].
     pub fn size(&self) -> [u32; 2] {
         self.frame.page.map(|length| length as u32)
@@ -67,6 +57,11 @@ impl Picture {
         self.pixel(x as u32, y as u32)
     }
 
+    /// The pixels, row by row.
+    pub fn rgb(&self) -> &[u8] {
+        &self.rgb
+    }
+
     /// Writes the picture to `path` (`….png`).
     pub fn write(&self, path: &Path) -> Result<(), PictureError> {
         Ok(write_whole(path, &self.to_png()?)?)
@@ -74,18 +69,22 @@ impl Picture {
 
     /// The file's content.
     pub fn to_png(&self) -> Result<Vec<u8>, PictureError> {
-        let [width, height] = self.size();
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, width, height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_compression(png::Compression::Fast);
-        encoder
-            .write_header()
-            .and_then(|mut writer| writer.write_image_data(&self.rgb))
-            .map_err(|source| PictureError::Encoding { source })?;
-        Ok(bytes)
+        png_bytes(self.size(), &self.rgb)
     }
+}
+
+/// A PNG file of pixels, row by row.
+fn png_bytes([width, height]: [u32; 2], rgb: &[u8]) -> Result<Vec<u8>, PictureError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    encoder
+        .write_header()
+        .and_then(|mut writer| writer.write_image_data(rgb))
+        .map_err(|source| PictureError::Encoding { source })?;
+    Ok(bytes)
 }
 
 /// The corners of a polygon along the sides of a cell whose nodes lie at `position` [m].
@@ -161,8 +160,6 @@ pub enum PictureError {
     NotFinite { value: f64 },
     #[error("region {region} is drawn, but only {regions} are described")]
     RegionMissing { region: usize, regions: usize },
-    #[error("cannot draw the picture")]
-    Drawing { source: PageError },
     #[error("cannot encode the picture as PNG")]
     Encoding { source: png::EncodingError },
     #[error(transparent)]

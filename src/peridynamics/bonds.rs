@@ -1,7 +1,9 @@
-//! Families and bonds: all pairs of a lattice's points within the horizon of each other.
+//! Families and bonds: all pairs of a lattice's points within the horizon of each other that see each
+//! other ([`super::visibility`]).
 
 use super::kernel::Micromodulus;
 use super::lattice::Lattice;
+use super::visibility::Visibility;
 use crate::springs::Springs;
 use rayon::prelude::*;
 
@@ -26,18 +28,21 @@ pub fn bonds(
     micromodulus: &Micromodulus,
     thickness: f64,
     first_node: u32,
+    visibility: &Visibility,
 ) -> Springs {
     let families = Families::new(lattice, micromodulus, thickness);
     let rows = (0..lattice.index.counts[1] as usize).into_par_iter();
-    let counts: Vec<usize> = rows.map(|row| families.count(row as i64)).collect();
-    let total = counts.iter().sum();
+    let rows: Vec<Row> = rows
+        .map(|row| families.row(row as i64, visibility))
+        .collect();
+    let total = rows.iter().map(|row| row.bonds).sum();
     let mut pairs = vec![[0; 2]; total];
     let mut stiffness = vec![0.0; total];
     let (mut rest, mut rest_k) = (pairs.as_mut_slice(), stiffness.as_mut_slice());
-    let mut slices = Vec::with_capacity(counts.len());
-    for &count in &counts {
-        let (of_row, after) = rest.split_at_mut(count);
-        let (k_of_row, k_after) = rest_k.split_at_mut(count);
+    let mut slices = Vec::with_capacity(rows.len());
+    for row in &rows {
+        let (of_row, after) = rest.split_at_mut(row.bonds);
+        let (k_of_row, k_after) = rest_k.split_at_mut(row.bonds);
         slices.push((of_row, k_of_row));
         (rest, rest_k) = (after, k_after);
     }
@@ -45,7 +50,8 @@ pub fn bonds(
         .into_par_iter()
         .enumerate()
         .for_each(|(row, (pairs, stiffness))| {
-            families.fill(row as i64, first_node, pairs, stiffness);
+            let hidden = &rows[row].hidden;
+            families.fill(row as i64, first_node, hidden, pairs, stiffness);
         });
     Springs::of_pairs(pairs, stiffness)
 }
@@ -57,6 +63,13 @@ struct Families<'a> {
     /// Half of a family, the neighbours behind a point in the numbering, row by row: offset in spacings,
     /// c(ξ) [N/m⁵], ξ [m].
     half: Vec<([i64; 2], f64, f64)>,
+}
+
+/// What the bonds from a row of sites are.
+struct Row {
+    bonds: usize,
+    /// Points and places in half a family: neighbours that the point does not see, ascending.
+    hidden: Vec<(u32, u32)>,
 }
 
 impl Families<'_> {
@@ -81,22 +94,51 @@ impl Families<'_> {
         (0..index.counts[0]).filter_map(move |column| Some((column, index.point([column, row])?)))
     }
 
-    fn count(&self, row: i64) -> usize {
-        let index = &self.lattice.index;
-        let of_point = |(column, _): (i64, u32)| {
-            let half = self.half.iter();
-            half.filter(|([p, q], ..)| index.point([column + p, row + q]).is_some())
-                .count()
-        };
-        self.points(row).map(of_point).sum()
+    fn row(&self, row: i64, visibility: &Visibility) -> Row {
+        let Lattice {
+            index, positions, ..
+        } = self.lattice;
+        let (mut bonds, mut hidden) = (0, Vec::new());
+        for (column, i) in self.points(row) {
+            let view = visibility.from(positions[i as usize]);
+            if !view.is_near() {
+                let half = self.half.iter();
+                let is_there = |([p, q], ..): &&([i64; 2], f64, f64)| {
+                    index.point([column + p, row + q]).is_some()
+                };
+                bonds += half.filter(is_there).count();
+                continue;
+            }
+            for (place, ([p, q], ..)) in self.half.iter().enumerate() {
+                let Some(j) = index.point([column + p, row + q]) else {
+                    continue;
+                };
+                if view.sees(positions[j as usize]) {
+                    bonds += 1;
+                } else {
+                    hidden.push((i, place as u32));
+                }
+            }
+        }
+        Row { bonds, hidden }
     }
 
-    fn fill(&self, row: i64, first_node: u32, pairs: &mut [[u32; 2]], stiffness: &mut [f64]) {
+    fn fill(
+        &self,
+        row: i64,
+        first_node: u32,
+        hidden: &[(u32, u32)],
+        pairs: &mut [[u32; 2]],
+        stiffness: &mut [f64],
+    ) {
         let Lattice { areas, index, .. } = self.lattice;
         let mut places = pairs.iter_mut().zip(stiffness);
+        let mut hidden = hidden.iter().peekable();
         for (column, i) in self.points(row) {
-            for &([p, q], c, xi) in &self.half {
-                if let Some(j) = index.point([column + p, row + q]) {
+            for (place, &([p, q], c, xi)) in self.half.iter().enumerate() {
+                if let Some(j) = index.point([column + p, row + q])
+                    && hidden.next_if(|&&h| h == (i, place as u32)).is_none()
+                {
                     let (pair, k) = places.next().expect("the row was counted");
                     *pair = [first_node + i, first_node + j];
                     *k = c * areas[i as usize] * areas[j as usize] * self.thickness / xi;
@@ -249,8 +291,14 @@ mod tests {
             let points = lattice(&outline, &[], &settings);
             let partial_area = if hhb { PartialArea::Hhb } else { PartialArea::Full };
             let c = micromodulus(partial_area, m, spacing);
-            let springs = bonds(&points, &c, 0.3, 0);
-            prop_assert_eq!(springs.pairs(), brute_force(&points.positions, c.reach()));
+            let view = Visibility::new(&outline, spacing, c.reach());
+            let springs = bonds(&points, &c, 0.3, 0, &view);
+            let mut seen = brute_force(&points.positions, c.reach());
+            seen.retain(|pair| {
+                let [a, b] = pair.map(|i| points.positions[i as usize]);
+                view.sees(a, b)
+            });
+            prop_assert_eq!(springs.pairs(), seen);
             let largest = springs.stiffness.iter().fold(0.0f64, |a, &k| a.max(k));
             for (&[i, j], &k) in springs.pairs().iter().zip(&springs.stiffness) {
                 let [a, b] = [i, j].map(|i| points.positions[i as usize]);

@@ -2,10 +2,13 @@
 
 use super::axes::Axes;
 use super::point_index::PointIndex;
+use super::visibility::Visibility;
 use crate::geometry::{Outline, nearest_on_segment};
 use rayon::prelude::*;
 
-/// Where the points sit on a grid of squares anchored at the lower left corner of the region's box.
+/// Where the points sit on a grid of squares. Unless its origin is given, the grid begins at the region's
+/// box where squares fill that; where they do not, it lies in the middle of the box, so that mirror images
+/// have mirror images of lattices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Placement {
     /// In the middle of the squares: no point on the boundary.
@@ -31,7 +34,7 @@ pub struct LatticeSettings {
     pub cell_area: CellArea,
     /// From the x axis to the lattice's first axis, counter-clockwise [rad].
     pub angle: f64,
-    /// A corner of the grid's squares [m]; `None`: that of the region's box along the lattice's axes.
+    /// A corner of the grid's squares [m]; `None`: see [`Placement`].
     pub origin: Option<[f64; 2]>,
 }
 
@@ -91,6 +94,9 @@ pub const ON_BOUNDARY: f64 = 1e-6;
 /// Squares whose centre is farther than this from a segment do not touch it [dx].
 const HALF_DIAGONAL: f64 = 0.7072;
 
+/// Up to this distance a sliver's takers must be seen from it [dx].
+const SLIVER_SEES: f64 = 3.0;
+
 /// Areas within this fraction of dx² of the whole square are the whole square.
 const WHOLE_CELL: f64 = 1e-9;
 
@@ -139,6 +145,32 @@ pub fn lattice_beside(
         areas,
         index: PointIndex::new(grid.first, grid.dx, [grid.columns, grid.rows], &kept),
     }
+}
+
+/// What of `part` of a region each of its lattice's points stands for, at `positions` [m²]: the area of its
+/// square in the part, slivers included, so that the sum is the part's. `outline`: of the region, which
+/// anchors the lattice.
+pub fn areas_within(
+    part: &Outline,
+    outline: &Outline,
+    settings: &LatticeSettings,
+    positions: &[[f64; 2]],
+) -> Vec<f64> {
+    let grid = Grid::new(outline, settings);
+    let place = |&[x, y]: &[f64; 2]| {
+        let index = |x: f64, axis: usize| ((x - grid.first[axis]) / grid.dx).round() as usize;
+        index(y, 1) * grid.columns + index(x, 0)
+    };
+    let places: Vec<usize> = positions.iter().map(place).collect();
+    let mut kept = vec![false; grid.columns * grid.rows];
+    places.iter().for_each(|&k| kept[k] = true);
+    let neighbourhood = Neighbourhood {
+        interface: &[],
+        clearance: ON_BOUNDARY,
+        body: None,
+    };
+    let areas = grid.clipped_areas(part, &neighbourhood, &kept);
+    places.into_iter().map(|k| areas[k]).collect()
 }
 
 /// The lattice of a region continued over the whole body, finite elements and other regions included:
@@ -226,10 +258,21 @@ impl Grid {
     fn new(outline: &Outline, settings: &LatticeSettings) -> Grid {
         let [mut low, high] = outline.bounds();
         let dx = settings.spacing;
-        if let Some(origin) = settings.origin {
-            for axis in 0..2 {
-                let steps = (low[axis] - origin[axis]) / dx;
-                low[axis] = origin[axis] + (steps + ON_BOUNDARY).floor() * dx;
+        for axis in 0..2 {
+            let squares = (high[axis] - low[axis]) / dx;
+            match settings.origin {
+                Some(origin) => {
+                    let steps = (low[axis] - origin[axis]) / dx;
+                    low[axis] = origin[axis] + (steps + ON_BOUNDARY).floor() * dx;
+                }
+                None if (squares - squares.round()).abs() <= ON_BOUNDARY => {}
+                None => {
+                    let fitting = match settings.placement {
+                        Placement::CellCentred => squares.ceil(),
+                        Placement::GridNodes => squares.floor(),
+                    };
+                    low[axis] += 0.5 * (squares - fitting) * dx;
+                }
             }
         }
         let squares = |axis: usize| (high[axis] - low[axis]) / dx;
@@ -313,8 +356,8 @@ impl Grid {
     }
 
     /// |square ∩ region| of every candidate [m²]. What belongs to a candidate that is not kept goes
-    /// to its nearest kept neighbour, but for points at the interface: the finite elements carry
-    /// that area.
+    /// to the nearest kept one, in equal parts to those that are equally near, but for points at the
+    /// interface: the finite elements carry that area.
     fn clipped_areas(
         &self,
         outline: &Outline,
@@ -340,15 +383,39 @@ impl Grid {
         for &segment in neighbourhood.interface {
             self.visit_points_near(segment, neighbourhood.clearance, |k| areas[k] = 0.0);
         }
-        for k in (0..areas.len()).filter(|&k| !kept[k]) {
-            let sliver = std::mem::take(&mut areas[k]);
-            if sliver > 0.0
-                && let Some(neighbour) = self.nearest_kept(k, kept)
-            {
-                areas[neighbour] += sliver;
-            }
-        }
+        self.share_slivers(outline, kept, &mut areas);
         areas
+    }
+
+    /// Gives the areas of candidates that are not kept to others. Those that the sliver's centroid sees
+    /// come first, lest a notch's other side gets it.
+    fn share_slivers(&self, outline: &Outline, kept: &[bool], areas: &mut [f64]) {
+        let is_sliver = |k: &usize| !kept[*k] && areas[*k] > 0.0;
+        let slivers: Vec<usize> = (0..areas.len()).filter(is_sliver).collect();
+        let visibility = Visibility::new(outline, self.dx, 2.0 * SLIVER_SEES * self.dx);
+        let takers = |&k: &usize| {
+            let [x, y] = self.position(k % self.columns, k / self.columns);
+            let half = 0.5 * self.dx;
+            let row = outline.strip(1, y - half, y + half);
+            let centroid = row.strip(0, x - half, x + half).centroid();
+            let view = visibility.from(centroid);
+            let sees = |other: usize| {
+                kept[other] && view.sees(self.position(other % self.columns, other / self.columns))
+            };
+            let seen = self.nearest(k, SLIVER_SEES, sees);
+            let mut reach = SLIVER_SEES;
+            let mut found = seen;
+            while found.is_empty() && reach < 2.0 * (self.columns + self.rows) as f64 {
+                found = self.nearest(k, reach, |other| kept[other]);
+                reach *= 2.0;
+            }
+            found
+        };
+        let takers: Vec<Vec<usize>> = slivers.par_iter().map(takers).collect();
+        for (sliver, takers) in slivers.into_iter().zip(takers) {
+            let share = std::mem::take(&mut areas[sliver]) / takers.len() as f64;
+            takers.into_iter().for_each(|taker| areas[taker] += share);
+        }
     }
 
     fn row_areas(&self, outline: &Outline, row: usize) -> Vec<f64> {
@@ -369,19 +436,33 @@ impl Grid {
             .collect()
     }
 
-    fn nearest_kept(&self, k: usize, kept: &[bool]) -> Option<usize> {
+    /// The candidates nearest to the k-th, up to `reach` dx away, that `is_wanted` says yes to; several
+    /// that are equally near.
+    fn nearest(&self, k: usize, reach: f64, is_wanted: impl Fn(usize) -> bool) -> Vec<usize> {
         let (column, row) = ((k % self.columns) as i64, (k / self.columns) as i64);
-        let around = (-2..=2).flat_map(|dy| (-2..=2).map(move |dx| (dx, dy)));
-        let inside = |(dx, dy): (i64, i64)| {
-            let (x, y) = (column + dx, row + dy);
-            let valid = x >= 0 && y >= 0 && x < self.columns as i64 && y < self.rows as i64;
-            valid.then(|| (dx * dx + dy * dy, y as usize * self.columns + x as usize))
-        };
-        around
-            .filter_map(inside)
-            .filter(|&(_, k)| kept[k])
-            .min()
-            .map(|(_, k)| k)
+        let steps = reach as i64;
+        let mut offsets: Vec<(i64, i64, i64)> = (-steps..=steps)
+            .flat_map(|q| (-steps..=steps).map(move |p| (p * p + q * q, p, q)))
+            .filter(|&(squared, p, q)| {
+                let inside = (0..self.columns as i64).contains(&(column + p))
+                    && (0..self.rows as i64).contains(&(row + q));
+                inside && squared > 0 && squared as f64 <= reach * reach
+            })
+            .collect();
+        offsets.sort_unstable();
+        let mut found = Vec::new();
+        let mut distance = None;
+        for (squared, p, q) in offsets {
+            if distance.is_some_and(|d| squared > d) {
+                break;
+            }
+            let other = (row + q) as usize * self.columns + (column + p) as usize;
+            if is_wanted(other) {
+                distance = Some(squared);
+                found.push(other);
+            }
+        }
+        found
     }
 }
 

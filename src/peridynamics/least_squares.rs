@@ -25,6 +25,7 @@ use super::isotropy::lattice_moduli;
 use super::kernel::Micromodulus;
 use super::lattice::Sites;
 use super::surface::SurfaceError;
+use super::visibility::Visibility;
 use crate::geometry::{Outline, nearest_on_segment};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
@@ -65,15 +66,18 @@ impl EdgeFactors {
     pub fn new(
         sites: &Sites,
         is_cut: &(dyn Fn(usize) -> bool + Sync),
-        body: &Outline,
+        (body, visibility): (&Outline, &Visibility),
         micromodulus: &Micromodulus,
     ) -> Result<EdgeFactors, SurfaceError> {
         let segments: Vec<_> = body.segments().collect();
         let reach = (micromodulus.reach() / micromodulus.spacing) as usize;
         let [columns, rows] = sites.counts();
+        let offsets = family_offsets(micromodulus);
         let place = |site: usize| {
             let tangent = tangent(sites.position(site), &segments, micromodulus.reach())?;
-            Some((site, profile(sites, site, tangent, 3 * reach)?))
+            let profile = profile(sites, site, tangent, 3 * reach, visibility)?;
+            let offsets = &offsets;
+            is_strip(sites, site, &profile, offsets, visibility).then_some((site, profile))
         };
         let found: Vec<(usize, Profile)> = (0..columns * rows)
             .into_par_iter()
@@ -157,8 +161,38 @@ struct Profile {
 /// Areas are alike to so many parts of dx²: they carry rounding errors.
 const PARTS: f64 = 1e9;
 
+/// Whether a site's family is what the rows say: all that they hold, and no more. Not so beside the tip of
+/// a slit.
+fn is_strip(
+    sites: &Sites,
+    site: usize,
+    profile: &Profile,
+    offsets: &[[i32; 2]],
+    visibility: &Visibility,
+) -> bool {
+    let [columns, rows] = sites.counts();
+    let at = [site % columns, site / columns].map(|k| k as i64);
+    let view = visibility.from(sites.position(site));
+    let Frame { tangent, inward } = profile.frame;
+    offsets.iter().all(|offset| {
+        let [x, y] = [0, 1].map(|axis| at[axis] + i64::from(offset[axis]));
+        let is_on = x >= 0 && y >= 0 && x < columns as i64 && y < rows as i64;
+        let other = y as usize * columns + x as usize;
+        let found = is_on && sites.shares[other] > 0.0 && view.sees(sites.position(other));
+        let row = profile.row as i64 + i64::from(offset[1 - tangent] * inward);
+        let expected = row >= 0 && (profile.open || row < profile.shares.len() as i64);
+        found == expected
+    })
+}
+
 /// `depth`: so many rows tell all, since cut-off families at two edges farther apart share no bond.
-fn profile(sites: &Sites, site: usize, tangent: usize, depth: usize) -> Option<Profile> {
+fn profile(
+    sites: &Sites,
+    site: usize,
+    tangent: usize,
+    depth: usize,
+    visibility: &Visibility,
+) -> Option<Profile> {
     let [columns, rows] = sites.counts();
     let at = [site % columns, site / columns];
     let normal = 1 - tangent;
@@ -171,9 +205,18 @@ fn profile(sites: &Sites, site: usize, tangent: usize, depth: usize) -> Option<P
     // First and one past the last row of the body around the site, as far as `depth`.
     let low = at[normal].saturating_sub(depth);
     let high = (at[normal] + depth).min(count - 1);
-    let from = (low..=at[normal]).rev().take_while(|&k| share(k) > 0.0);
+    let position = |k: usize| {
+        let mut at = at;
+        at[normal] = k;
+        sites.position(at[1] * columns + at[0])
+    };
+    let goes_on = |k: usize, next: usize| visibility.sees(position(k), position(next));
+    let is_next = |k: usize, before: usize| share(k) > 0.0 && (k == before || goes_on(before, k));
+    let from = (low..=at[normal]).rev();
+    let from = from.take_while(|&k| is_next(k, (k + 1).min(at[normal])));
     let from = from.last()?;
-    let to = (at[normal]..=high).take_while(|&k| share(k) > 0.0).last()?;
+    let to = (at[normal]..=high).take_while(|&k| is_next(k, k.saturating_sub(1).max(at[normal])));
+    let to = to.last()?;
     let (ends_low, ends_high) = (from > low, to < high);
     let quantised = |k: usize| (share(k) * PARTS).round() as i64;
     let upward: Vec<i64> = (from..=to).map(quantised).collect();

@@ -13,13 +13,15 @@
 //! 2018) and λ = [(n_x/g_x)² + (n_y/g_y)²]^(−1/2), g the mean of S∞/S_i and S∞/S_j by component.
 //!
 //! A family is what the *body* offers: lattice sites in finite elements behind an interface count as
-//! present, since the material goes on there. So only free surfaces are corrected. They are those of the
+//! present, since the material goes on there, and sites that a point does not see
+//! ([`super::visibility`]) as absent. So only free surfaces are corrected. They are those of the
 //! intact body: initial cracks, and bonds that break, change no factor.
 
 use super::bonds::family_offsets;
 use super::kernel::Micromodulus;
 use super::lattice::{LatticeSettings, Sites};
 use super::least_squares::EdgeFactors;
+use super::visibility::Visibility;
 use crate::geometry::Outline;
 use crate::springs::Springs;
 use rayon::prelude::*;
@@ -69,14 +71,15 @@ impl Surface {
         body: &Outline,
         settings: &LatticeSettings,
         micromodulus: &Micromodulus,
+        visibility: &Visibility,
     ) -> Result<Surface, SurfaceError> {
         // Ends of bonds reach δ out of the region, least squares asks for their neighbours' families.
         let reach = (micromodulus.reach() / micromodulus.spacing) as usize;
         let sites = Sites::new(outline, body, settings, 3 * reach);
-        let completeness = completeness(correction, &sites, micromodulus);
+        let completeness = completeness(correction, &sites, micromodulus, visibility);
         let edges = if correction == SurfaceCorrection::LeastSquares {
             let is_cut = |site: usize| completeness[site] != WHOLE;
-            EdgeFactors::new(&sites, &is_cut, body, micromodulus)?
+            EdgeFactors::new(&sites, &is_cut, (body, visibility), micromodulus)?
         } else {
             EdgeFactors::default()
         };
@@ -145,6 +148,7 @@ fn completeness(
     correction: SurfaceCorrection,
     sites: &Sites,
     micromodulus: &Micromodulus,
+    visibility: &Visibility,
 ) -> Vec<[f64; 2]> {
     let offsets = family_offsets(micromodulus);
     let weights: Vec<[f64; 2]> = offsets
@@ -167,11 +171,14 @@ fn completeness(
             return WHOLE;
         }
         let (column, row) = ((site % columns) as i64, (site / columns) as i64);
+        let view = visibility.from(sites.position(site));
+        let sees = |other: usize| sites.shares[other] > 0.0 && view.sees(sites.position(other));
         let found = sum(sites.shares[site], &|[p, q]| {
             let (x, y) = (column + i64::from(p), row + i64::from(q));
             let inside = x >= 0 && y >= 0 && x < columns as i64 && y < rows as i64;
-            if inside {
-                sites.shares[y as usize * columns + x as usize]
+            let other = y as usize * columns + x as usize;
+            if inside && (!view.is_near() || sees(other)) {
+                sites.shares[other]
             } else {
                 0.0
             }

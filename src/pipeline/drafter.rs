@@ -5,12 +5,16 @@
 //! reports it, if they cannot be written there either). It works on one thread, outside of the pool on
 //! which the solve is parallel.
 
-use super::damage_picture::{DAMAGE_PICTURE, damage_picture};
+use super::damage_picture::damage_picture;
+use super::deformed::Deformed;
 use super::fracture::Frame;
 use super::made::Made;
+use super::mesh_picture::mesh_picture;
 use super::parts::Parts;
-use super::pictures::{MESH_PICTURE, Sheet, mesh_picture, put};
+use super::pictures::{Sheet, put};
 use super::results::ResultsError;
+use super::spec::{Format, PictureKind};
+use crate::fracture::state::State;
 use crate::output::picture::PictureError;
 use crate::phases::Phases;
 use crate::trace::Trace;
@@ -34,10 +38,14 @@ enum Order {
     /// `damage.png` while a run goes: from the first break on, of a state a few seconds old at most.
     /// What it shows depends on the clock, so it is no result: it is taken away when the solve stage
     /// ends, and the output stage draws the last state.
-    Latest {
-        step: usize,
-        intact: Vec<bool>,
-    },
+    Latest(Latest),
+}
+
+/// A state to be drawn.
+struct Latest {
+    step: usize,
+    displacement: Vec<[f64; 2]>,
+    intact: Vec<bool>,
 }
 
 /// The end of the queue at which orders are given; idle if there is no thread to be had.
@@ -101,13 +109,21 @@ impl<'scope> Drafter<'scope> {
     }
 
     /// Draws the latest state if bonds have broken and the last picture is old.
-    pub fn latest(&mut self, parts: Parts, step: usize, intact: &[bool]) {
+    pub fn latest(&mut self, parts: Parts, state: &State) {
         let is_new = (self.drawn).is_some_and(|drawn| drawn.elapsed() < LATEST_EVERY);
-        if !parts.plan.output.pictures || is_new || *intact == *parts.model.intact {
+        let is_whole = state.intact == parts.model.intact;
+        let output = &parts.plan.output;
+        let is_wanted =
+            output.pictures.wants(PictureKind::Damage) && output.formats.contains(&Format::Png);
+        if is_new || is_whole || !is_wanted {
             return;
         }
-        let intact = intact.to_vec();
-        if self.orders.try_send(Order::Latest { step, intact }).is_ok() {
+        let latest = Latest {
+            step: state.step,
+            displacement: state.displacement.clone(),
+            intact: state.intact.clone(),
+        };
+        if self.orders.try_send(Order::Latest(latest)).is_ok() {
             self.drawn = Some(Instant::now());
         }
     }
@@ -135,14 +151,13 @@ struct Desk<'a> {
 impl Desk<'_> {
     fn work(mut self, queue: Receiver<Order>) -> Drafts {
         if let Some(folder) = &self.folder
-            && self.parts.plan.output.pictures
+            && is_drafted(&self.parts, PictureKind::Mesh)
         {
-            let folder = folder.clone();
-            self.picture(MESH_PICTURE.to_owned(), |parts| {
-                put(
-                    &mesh_picture(parts.plan, parts.model).draw()?,
-                    &folder.join(MESH_PICTURE),
-                )
+            let file = Sheet::Mesh.file(Format::Png);
+            let path = folder.join(&file);
+            self.picture(file, |parts| {
+                let mesh = mesh_picture(parts.plan, parts.model).compose()?;
+                put(&mesh, Format::Png, &path)
             });
         }
         for order in queue {
@@ -151,10 +166,16 @@ impl Desk<'_> {
             }
             match order {
                 Order::Frame(frame) => self.frame(&frame),
-                Order::Latest { step, intact } => {
+                Order::Latest(latest) => {
                     let folder = self.parts.plan.folder.clone();
                     let made = self.drafts.made.len();
-                    self.damage(DAMAGE_PICTURE.to_owned(), &folder, step, &intact);
+                    let file = Sheet::Damage.file(Format::Png);
+                    let Latest {
+                        step,
+                        displacement,
+                        intact,
+                    } = latest;
+                    self.damage(file, &folder, step, &displacement, &intact);
                     // Of no state in particular.
                     self.drafts.made.truncate(made);
                 }
@@ -173,18 +194,31 @@ impl Desk<'_> {
         let written: Vec<Result<Made, ResultsError>> =
             (drafts.phases).measure("vtu", || parts.kinds().into_iter().map(write).collect());
         drafts.made.extend(written.into_iter().flatten());
-        let output = &parts.plan.output;
-        if output.pictures && output.pictures_at.contains(&frame.step) {
-            let file = Sheet::DamageAt(frame.step).file();
-            self.damage(file, &folder, frame.step, &frame.intact);
+        let is_pictured = parts.plan.output.pictures_at.contains(&frame.step);
+        if is_pictured && is_drafted(parts, PictureKind::Damage) {
+            let file = Sheet::DamageAt(frame.step).file(Format::Png);
+            let Frame {
+                displacement,
+                intact,
+                ..
+            } = frame;
+            self.damage(file, &folder, frame.step, displacement, intact);
         }
     }
 
-    fn damage(&mut self, file: String, folder: &Path, step: usize, intact: &[bool]) {
+    fn damage(
+        &mut self,
+        file: String,
+        folder: &Path,
+        step: usize,
+        displacement: &[[f64; 2]],
+        intact: &[bool],
+    ) {
         let path = folder.join(&file);
         self.picture(file, |parts| {
-            let picture = damage_picture(parts.plan, parts.model, Some(step), intact);
-            put(&picture.draw()?, &path)
+            let body = Deformed::new(parts.model, displacement);
+            let picture = damage_picture(parts.plan, &body, Some(step), intact);
+            put(&picture.compose()?, Format::Png, &path)
         });
     }
 
@@ -200,4 +234,10 @@ impl Desk<'_> {
             .made
             .extend(drafts.phases.measure("pictures", draw).ok());
     }
+}
+
+/// Whether a picture is drafted: other formats are left to the output stage.
+fn is_drafted(parts: &Parts, kind: PictureKind) -> bool {
+    let output = &parts.plan.output;
+    output.pictures.wants(kind) && output.formats() == [Format::Png]
 }

@@ -46,11 +46,11 @@ pub struct Frame {
 }
 
 impl Frame {
-    fn new(state: &State) -> Frame {
+    fn new(model: &Model, state: &State) -> Frame {
         Frame {
             step: state.step,
             load_factor: state.load.factor,
-            displacement: state.displacement.clone(),
+            displacement: model.in_space(&state.displacement),
             intact: state.intact.clone(),
         }
     }
@@ -294,7 +294,7 @@ impl<'a> Chronicle<'a> {
         let is_new = self.frames.last() != Some(&state.step);
         is_new.then(|| {
             self.frames.push(state.step);
-            Arc::new(Frame::new(state))
+            Arc::new(Frame::new(self.problem.model, state))
         })
     }
 
@@ -387,7 +387,7 @@ impl Writer<'_, '_> {
             plan,
             model: problem.model,
         };
-        self.drafter.latest(parts, state.step, &state.intact);
+        self.drafter.latest(parts, state);
         self.handed_over.note(HAND_OVER, start);
         Ok(())
     }
@@ -422,6 +422,7 @@ impl Writer<'_, '_> {
             handed_over,
         } = self;
         phases.append(handed_over.list);
+        let model = chronicle.problem.model;
         let size = match state.size {
             Some(size) => size,
             // No step was possible.
@@ -440,8 +441,8 @@ impl Writer<'_, '_> {
             reason: state.stopped.as_ref().map(|(_, reason)| reason.clone()),
             intact: state.intact.clone(),
             solution: Solution {
-                displacement: state.displacement.clone(),
-                reaction: state.reaction.clone(),
+                displacement: model.in_space(&state.displacement),
+                reaction: model.in_space(&state.reaction),
                 residual: state.residual,
                 size,
             },

@@ -180,7 +180,10 @@ impl Parts<'_> {
         part.point_data
             .push(Field::scalar(FieldName::Volume, volumes));
         let regions = (first..model.node_count()).filter_map(|node| model.region_of_point(node));
-        part.cell_data.extend(self.region_fields(regions));
+        let of_regions = self.region_fields(regions);
+        // Glyphs and point sprites are coloured by point data, thresholds and extractions ask for cells.
+        part.point_data.extend(of_regions.clone());
+        part.cell_data.extend(of_regions);
         part
     }
 

@@ -1,72 +1,136 @@
-//! The pictures of a run: mesh, displacements, damage, reaction over grip displacement.
+//! The pictures of a run: which there are, and how each is drawn into the results.
 
-use super::damage_picture::{DAMAGE_PICTURE, damage_file, damage_picture, dots};
-use super::fracture::read_frame;
-use super::history::Line;
+use super::charts::{energies, load_displacement};
+use super::damage_picture::damage_picture;
+use super::deformed::Deformed;
+use super::fracture::{Frame, read_frame};
 use super::made::Made;
-use super::plan::Plan;
+use super::maps::{Measure, displacement_map, stress_map};
+use super::mesh_picture::mesh_picture;
 use super::results::{Outcome, ResultsError};
 use super::run::RunError;
 use super::solved::Course;
-use crate::fem::element::MappedPoint;
-use crate::geometry::{chords, chords_of};
-use crate::model::{Method, Model};
-use crate::output::picture::{
-    self, Axis, Chart, Curve, FieldPicture, Filling, Mark, MeshPicture, Patch, Picture,
-    PictureError, Square,
-};
+use super::spec::{Format, PictureKind};
+use crate::output::picture::{Composition, PictureError};
 use crate::output::write_whole;
 use crate::trace::Trace;
+use std::borrow::Cow;
 use std::path::Path;
 
 /// A picture of the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sheet {
     Mesh,
-    /// A component of the displacement of the last state.
+    /// A component of the displacement, of the frame with the largest reaction.
     Displacement(usize),
+    /// Of that frame as well.
+    Stress(Measure),
     /// Of the last state.
     Damage,
     /// At a step that the pipeline names.
     DamageAt(usize),
     LoadDisplacement,
+    Energies,
 }
 
 impl Sheet {
-    pub fn file(self) -> String {
+    pub fn file(self, format: Format) -> String {
+        let stem = match self {
+            Sheet::Mesh => "mesh".to_owned(),
+            Sheet::Displacement(axis) => format!("displacement_{}", ['x', 'y'][axis]),
+            Sheet::Stress(measure) => measure.stem().to_owned(),
+            Sheet::Damage => "damage".to_owned(),
+            Sheet::DamageAt(step) => format!("damage_{step:06}"),
+            Sheet::LoadDisplacement => "load_displacement".to_owned(),
+            Sheet::Energies => "energies".to_owned(),
+        };
+        match format {
+            Format::Png => stem + ".png",
+            Format::Svg => stem + ".svg",
+        }
+    }
+
+    /// What the reader of a report calls it.
+    pub fn describe(self) -> String {
         match self {
-            Sheet::Mesh => MESH_PICTURE.to_owned(),
-            Sheet::Displacement(axis) => format!("displacement_{}.png", ['x', 'y'][axis]),
-            Sheet::Damage => DAMAGE_PICTURE.to_owned(),
-            Sheet::DamageAt(step) => damage_file(step),
-            Sheet::LoadDisplacement => "load_displacement.png".to_owned(),
+            Sheet::Mesh => "Mesh and regions".to_owned(),
+            Sheet::Displacement(axis) => format!("Displacement u_{}", ['x', 'y'][axis]),
+            Sheet::Stress(measure) => measure.describe().to_owned(),
+            Sheet::Damage => "Damage at the end".to_owned(),
+            Sheet::DamageAt(step) => format!("Damage at step {step}"),
+            Sheet::LoadDisplacement => "Reaction over displacement".to_owned(),
+            Sheet::Energies => "Energies".to_owned(),
         }
     }
 }
 
-pub(super) const MESH_PICTURE: &str = "mesh.png";
+impl From<PictureKind> for Sheet {
+    fn from(kind: PictureKind) -> Sheet {
+        match kind {
+            PictureKind::Mesh => Sheet::Mesh,
+            PictureKind::DisplacementX => Sheet::Displacement(0),
+            PictureKind::DisplacementY => Sheet::Displacement(1),
+            PictureKind::StressXx => Sheet::Stress(Measure::Xx),
+            PictureKind::StressYy => Sheet::Stress(Measure::Yy),
+            PictureKind::StressXy => Sheet::Stress(Measure::Xy),
+            PictureKind::PrincipalStress => Sheet::Stress(Measure::Principal),
+            PictureKind::VonMises => Sheet::Stress(Measure::VonMises),
+            PictureKind::Damage => Sheet::Damage,
+            PictureKind::LoadDisplacement => Sheet::LoadDisplacement,
+            PictureKind::Energies => Sheet::Energies,
+        }
+    }
+}
 
 impl Outcome<'_> {
     /// The pictures that there are, in the order in which they are listed.
     pub(super) fn sheets(&self) -> Vec<Sheet> {
-        let mut sheets = vec![Sheet::Mesh, Sheet::Displacement(0), Sheet::Displacement(1)];
         let course = self.solved.fracture.as_ref();
-        if self.has_damage() {
-            sheets.push(Sheet::Damage);
-            let pictured = course.map_or_else(Vec::new, |course| self.pictured(course));
-            sheets.extend(pictured.into_iter().map(Sheet::DamageAt));
+        let mut sheets = Vec::new();
+        for kind in self.plan.output.pictures.kinds() {
+            let is_there = match kind {
+                PictureKind::Damage => self.has_damage(),
+                PictureKind::LoadDisplacement | PictureKind::Energies => course.is_some(),
+                _ => true,
+            };
+            sheets.extend(is_there.then(|| Sheet::from(kind)));
         }
-        sheets.extend(course.map(|_| Sheet::LoadDisplacement));
+        // The steps follow the end.
+        let pictured = course.map_or_else(Vec::new, |course| self.pictured(course));
+        if let Some(damage) = sheets.iter().position(|sheet| *sheet == Sheet::Damage) {
+            let pictured = pictured.into_iter().map(Sheet::DamageAt);
+            sheets.splice(damage + 1..damage + 1, pictured);
+        }
         sheets
     }
 
-    /// Draws one into `folder`.
+    /// Draws one into `folder`, in each format.
     pub(super) fn draw(
         &self,
         sheet: Sheet,
+        formats: &[Format],
         folder: &Path,
         trace: &Trace,
-    ) -> Result<Made, RunError> {
+    ) -> Result<Vec<Made>, RunError> {
+        // What the first file takes includes what is drawn.
+        let mut drawn = None;
+        let mut made = Vec::new();
+        for &format in formats {
+            let one = Made::measured(sheet.file(format), trace, |file| {
+                let composition = match drawn.take() {
+                    Some(composition) => composition,
+                    None => self.compose(sheet)?,
+                };
+                let bytes = put(&composition, format, &folder.join(file));
+                drawn = Some(composition);
+                Ok::<_, RunError>(bytes.map_err(ResultsError::from)?)
+            });
+            made.push(one?);
+        }
+        Ok(made)
+    }
+
+    fn compose(&self, sheet: Sheet) -> Result<Composition, RunError> {
         let Outcome {
             plan,
             model,
@@ -74,27 +138,50 @@ impl Outcome<'_> {
             ..
         } = self;
         let course = solved.fracture.as_ref();
-        let frame = match sheet {
-            Sheet::DamageAt(step) => Some(read_frame(&plan.folder, step)?),
-            _ => None,
+        let last = course.and_then(|course| course.history.last());
+        let last_step = last.map(|line| line.step);
+        let u = &solved.solution.displacement;
+        let composition = match (sheet, course) {
+            (Sheet::LoadDisplacement, Some(course)) => load_displacement(plan, course).compose(),
+            (Sheet::Energies, Some(course)) => energies(plan, course).compose(),
+            (Sheet::Displacement(axis), _) => {
+                let frame = self.most_loaded()?;
+                let step = course.map(|_| frame.step);
+                displacement_map(plan, model, axis, step, &frame.displacement).compose()
+            }
+            (Sheet::Stress(measure), _) => {
+                let frame = self.most_loaded()?;
+                let step = course.map(|_| frame.step);
+                stress_map(plan, model, measure, step, &frame).compose()
+            }
+            (Sheet::Damage, _) => {
+                let body = Deformed::new(model, u);
+                damage_picture(plan, &body, last_step, &solved.intact).compose()
+            }
+            (Sheet::DamageAt(step), _) => {
+                let frame = read_frame(&plan.folder, step)?;
+                let body = Deformed::new(model, &frame.displacement);
+                damage_picture(plan, &body, Some(step), &frame.intact).compose()
+            }
+            (Sheet::Mesh | Sheet::LoadDisplacement | Sheet::Energies, _) => {
+                mesh_picture(plan, model).compose()
+            }
         };
-        let made = Made::measured(sheet.file(), trace, |file| {
-            let picture = match (sheet, course) {
-                (Sheet::LoadDisplacement, Some(course)) => self.load_displacement(course).draw(),
-                (Sheet::Displacement(axis), _) => self.displacement_picture(axis).draw(),
-                (Sheet::Damage | Sheet::DamageAt(_), _) => {
-                    let last = course.and_then(|course| course.history.last());
-                    let (step, intact) = match &frame {
-                        Some(frame) => (Some(frame.step), &frame.intact),
-                        None => (last.map(|line| line.step), &solved.intact),
-                    };
-                    damage_picture(plan, model, step, intact).draw()
-                }
-                (Sheet::Mesh | Sheet::LoadDisplacement, _) => mesh_picture(plan, model).draw(),
-            };
-            put(&picture?, &folder.join(file))
-        });
-        Ok(made.map_err(ResultsError::from)?)
+        Ok(composition.map_err(ResultsError::from)?)
+    }
+
+    /// The state that is mapped: when a body has come apart, it carries nothing.
+    fn most_loaded(&self) -> Result<Frame, RunError> {
+        let solved = self.solved;
+        match solved.fracture.as_ref().and_then(most_loaded_step) {
+            Some(step) => read_frame(&self.plan.folder, step),
+            None => Ok(Frame {
+                step: 0,
+                load_factor: 1.0,
+                displacement: solved.solution.displacement.clone(),
+                intact: solved.intact.clone(),
+            }),
+        }
     }
 
     /// The steps of `output.pictures_at` that the run has come to.
@@ -110,7 +197,7 @@ impl Outcome<'_> {
         let output = &self.plan.output;
         let missing = output.pictures_at.iter().filter(|s| !frames.contains(s));
         let missing: Vec<String> = missing.map(ToString::to_string).collect();
-        if !output.pictures || missing.is_empty() {
+        if !output.pictures.wants(PictureKind::Damage) || missing.is_empty() {
             return None;
         }
         let end = match course.and_then(|course| course.history.last()) {
@@ -122,188 +209,27 @@ impl Outcome<'_> {
             "output.pictures_at: no picture of step {missing}: {end}"
         ))
     }
+}
 
-    /// Reaction over grip displacement; over the load factor where nothing is displaced.
-    fn load_displacement(&self, course: &Course) -> Chart {
-        let grips_move = course
-            .history
-            .iter()
-            .any(|line| line.grip_displacement > 0.0);
-        let at = |line: &Line| {
-            let x = if grips_move {
-                line.grip_displacement
-            } else {
-                line.load_factor
-            };
-            [x, line.reaction]
-        };
-        let first = course.history.iter().find(|line| line.bonds_broken > 0);
-        let first = first.map(|line| (line, "first bond".to_owned()));
-        let last = course.history.last();
-        let last = last.map(|line| (line, course.ending.describe().to_owned()));
-        let mark = |(line, what): (&Line, String)| Mark {
-            at: at(line),
-            label: format!("{what}, step {}", line.step),
-        };
-        let (name, unit) = if grips_move {
-            ("grip displacement", "m")
-        } else {
-            ("load factor", "")
-        };
-        let axis = |name: &str, unit: &str| Axis {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-        };
-        let start = std::iter::once([0.0, 0.0]);
-        let on_envelope = envelope(&course.history);
-        let envelope = (on_envelope.len() < course.history.len()).then(|| Curve {
-            name: "envelope".to_owned(),
-            points: on_envelope.into_iter().map(at).collect(),
-            marks: Vec::new(),
-        });
-        Chart {
-            title: format!("{}: reaction over {name}", self.plan.name),
-            x: axis(name, unit),
-            y: axis("reaction", "N"),
-            curves: std::iter::once(Curve {
-                name: "reaction".to_owned(),
-                points: start.chain(course.history.iter().map(at)).collect(),
-                marks: first.into_iter().chain(last).map(mark).collect(),
-            })
-            .chain(envelope)
-            .collect(),
-        }
-    }
-
-    /// u_x or u_y on the deformed shape.
-    fn displacement_picture(&self, axis: usize) -> FieldPicture {
-        let model = self.model;
-        let u = &self.solved.solution.displacement;
-        let exaggeration = picture::field::deformation_scale(self.extent(), u.iter().copied());
-        let scale = exaggeration.unwrap_or(0.0);
-        let moved = |node: usize| [0, 1].map(|k| model.positions[node][k] + scale * u[node][k]);
-        let mut facets = Vec::new();
-        for element in 0..model.elements.len() {
-            let kind = model.cell(element).kind;
-            let nodes: Vec<usize> = model
-                .element_nodes(element)
-                .into_iter()
-                .map(|n| n as usize)
-                .collect();
-            let shape: Vec<[f64; 2]> = nodes.iter().map(|&n| moved(n)).collect();
-            let divisions = if kind.is_quadratic() { 4 } else { 1 };
-            facets.extend(picture::facets(kind, divisions, |at| {
-                let point = MappedPoint::new(kind, &shape, at);
-                let value = nodes
-                    .iter()
-                    .zip(point.value)
-                    .map(|(&n, shape)| shape * u[n][axis])
-                    .sum();
-                (point.position, value)
-            }));
-        }
-        let squares = dots(model).into_iter().zip(model.fe_node_count()..);
-        let squares = squares.map(|(dot, node)| Square {
-            centre: moved(node),
-            side: dot.side,
-            value: u[node][axis],
-        });
-        let edges = model
-            .interfaces
-            .iter()
-            .flat_map(|interface| &interface.edges);
-        let line =
-            |n: usize| moved(model.node_of[n].expect("interfaces have element nodes") as usize);
-        FieldPicture {
-            title: format!("{}: displacement u_{}", self.plan.name, ['x', 'y'][axis]),
-            quantity: format!("u_{}", ['x', 'y'][axis]),
-            unit: "m".to_owned(),
-            range: None,
-            deformation_scale: exaggeration,
-            facets,
-            squares: squares.collect(),
-            lines: edges.map(|edge| chords_of(edge, line)).collect(),
-        }
-    }
-
-    /// The body's larger side [m].
-    fn extent(&self) -> f64 {
-        let [low, high] = self.model.bounds();
-        (high[0] - low[0]).max(high[1] - low[1])
-    }
+/// Of the steps with a frame that with the largest reaction.
+fn most_loaded_step(course: &Course) -> Option<usize> {
+    let framed = |line: &&super::history::Line| course.frames.contains(&line.step);
+    let lines = course.history.iter().filter(framed);
+    let most = lines.max_by(|a, b| a.reaction.total_cmp(&b.reaction));
+    most.map(|line| line.step)
 }
 
 /// Writes a picture; gives the bytes of its pixels and of the file.
-pub(super) fn put(picture: &Picture, path: &Path) -> Result<[u64; 2], PictureError> {
-    let bytes = picture.to_png()?;
+pub(super) fn put(
+    composition: &Composition,
+    format: Format,
+    path: &Path,
+) -> Result<[u64; 2], PictureError> {
+    let bytes: Cow<[u8]> = match format {
+        Format::Png => composition.picture().to_png()?.into(),
+        Format::Svg => composition.svg()?.into_bytes().into(),
+    };
     write_whole(path, &bytes)?;
-    let [width, height] = picture.size().map(u64::from);
+    let [width, height] = composition.size().map(u64::from);
     Ok([3 * width * height, bytes.len() as u64])
-}
-
-/// Elements, material points, interfaces, cracks.
-pub(super) fn mesh_picture(plan: &Plan, model: &Model) -> MeshPicture {
-    let dots = dots(model);
-    let region = |(index, region): (usize, &crate::model::Region)| {
-        let (name, filling, count) = match region.method {
-            Method::Peridynamics(_) => {
-                let points = dots.iter().filter(|dot| dot.region == index);
-                ("peridynamics", Filling::Points, points.count())
-            }
-            Method::FiniteElements => ("finite elements", Filling::Cells, region.cells.len()),
-        };
-        picture::Region {
-            name: region.name.clone(),
-            model: name.to_owned(),
-            filling,
-            count,
-        }
-    };
-    let patch = |&(region, cell): &(usize, usize)| Patch {
-        outline: picture::outline(&model.mesh.cells[cell], |n| model.mesh.nodes[n]),
-        region,
-    };
-    let edges = model
-        .interfaces
-        .iter()
-        .flat_map(|interface| &interface.edges);
-    let cracks = plan.cracks.iter();
-    let cracks = cracks.flat_map(|name| &model.mesh.curves[name]);
-    MeshPicture {
-        title: format!("{}: mesh and regions", plan.name),
-        regions: model.regions.iter().enumerate().map(region).collect(),
-        points: dots,
-        cells: model.elements.iter().map(patch).collect(),
-        interfaces: edges.map(|e| chords(e, &model.mesh.nodes)).collect(),
-        cracks: cracks.map(|edge| chords(edge, &model.mesh.nodes)).collect(),
-    }
-}
-
-/// The outline of a path that turns back and forth: up to the largest load factor what is above all that
-/// went before, from there on what is above all that still comes.
-fn envelope(history: &[Line]) -> Vec<&Line> {
-    let by_load = |a: &&Line, b: &&Line| a.load_factor.total_cmp(&b.load_factor);
-    let phase = history.last().map(|line| line.phase);
-    let lines: Vec<&Line> = history.iter().filter(|l| Some(l.phase) == phase).collect();
-    let Some(peak) = lines.iter().copied().max_by(by_load) else {
-        return Vec::new();
-    };
-    let (before, after): (Vec<&Line>, Vec<&Line>) =
-        lines.into_iter().partition(|line| line.step <= peak.step);
-    let mut envelope = rising(before.into_iter());
-    let mut falling = rising(after.into_iter().rev());
-    falling.reverse();
-    envelope.append(&mut falling);
-    envelope
-}
-
-/// Lines above all that come before them.
-fn rising<'a>(lines: impl Iterator<Item = &'a Line>) -> Vec<&'a Line> {
-    let mut highest = f64::NEG_INFINITY;
-    let higher = |line: &&Line| {
-        let is_higher = line.load_factor > highest;
-        highest = highest.max(line.load_factor);
-        is_higher
-    };
-    lines.filter(higher).collect()
 }

@@ -7,6 +7,7 @@ use super::reader::Reader;
 use super::source::{InputError, Source};
 use super::spec::{self, Spec};
 use super::yaml;
+use crate::boundary::Directions;
 use crate::fem::edge::EdgeLoad;
 use crate::fracture::control::{Control, Until};
 use crate::fracture::failure::Strength;
@@ -57,6 +58,8 @@ pub struct RegionPlan {
     /// `None`: its bonds never break.
     pub strength: Option<Strength>,
     pub method: Method,
+    /// The pipeline leaves the lattice's angle to the outline.
+    pub angle_by_default: bool,
 }
 
 /// How the load grows while bonds break.
@@ -89,11 +92,24 @@ impl RegionPlan {
 #[derive(Clone, Debug)]
 pub struct Condition {
     pub group: String,
-    /// [m].
-    pub displacement: Option<[Option<f64>; 2]>,
+    /// Where it stands in the pipeline.
+    pub key: String,
+    pub displacement: Option<Displaced>,
     pub loads: Vec<EdgeLoad>,
+    /// In all, on a curve or a point [N].
+    pub force: Option<[f64; 2]>,
+    /// Per volume, on a surface [N/m³].
+    pub body_force: Option<[f64; 2]>,
     /// Index of the phase that applies it; `None`: it is there in all.
     pub phase: Option<usize>,
+}
+
+/// A prescribed displacement.
+#[derive(Clone, Copy, Debug)]
+pub struct Displaced {
+    pub directions: Directions,
+    /// [m].
+    pub components: [Option<f64>; 2],
 }
 
 /// A displacement to report.

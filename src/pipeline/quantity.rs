@@ -16,6 +16,10 @@ impl Dimension {
     pub const LENGTH: Dimension = Dimension::new(1, 0, 0);
     pub const AREA: Dimension = Dimension::new(2, 0, 0);
     pub const PRESSURE: Dimension = Dimension::new(-1, 1, -2);
+    pub const FORCE: Dimension = Dimension::new(1, 1, -2);
+    pub const FORCE_PER_VOLUME: Dimension = Dimension::new(-2, 1, -2);
+    pub const DENSITY: Dimension = Dimension::new(-3, 1, 0);
+    pub const ACCELERATION: Dimension = Dimension::new(1, 0, -2);
     pub const ENERGY_PER_AREA: Dimension = Dimension::new(0, 1, -2);
 
     const fn new(metre: i32, kilogram: i32, second: i32) -> Dimension {
@@ -58,12 +62,25 @@ impl Dimension {
 }
 
 /// Dimensions with their names, SI units and an example.
-const NAMES: [(Dimension, &str, &str, &str); 9] = [
+const NAMES: [(Dimension, &str, &str, &str); 12] = [
     (Dimension::NUMBER, "a plain number", "", "0.5"),
     (Dimension::LENGTH, "a length", "m", "2.5 mm"),
     (Dimension::AREA, "an area", "m^2", "5 mm^2"),
     (Dimension::PRESSURE, "a pressure", "Pa", "30 GPa"),
-    (Dimension::new(1, 1, -2), "a force", "N", "2 kN"),
+    (Dimension::FORCE, "a force", "N", "2 kN"),
+    (
+        Dimension::FORCE_PER_VOLUME,
+        "a force per volume",
+        "N/m^3",
+        "25 kN/m^3",
+    ),
+    (Dimension::DENSITY, "a density", "kg/m^3", "2400 kg/m^3"),
+    (
+        Dimension::ACCELERATION,
+        "an acceleration",
+        "m/s^2",
+        "9.81 m/s^2",
+    ),
     (
         Dimension::new(0, 1, -2),
         "a force per length or an energy per area",

@@ -1,10 +1,11 @@
 //! The pipeline as written → the plan's numbers; each error carries the key that it concerns.
 
 use super::files::similar_file;
-use super::plan::{Condition, GeometryPlan, Loading, PhasePlan, Probe, RegionPlan};
+use super::plan::{Condition, Displaced, GeometryPlan, Loading, PhasePlan, Probe, RegionPlan};
 use super::quantity::{self, Dimension};
 use super::source::{InputError, Source, choices, quoted};
 use super::spec::{self, Spec};
+use crate::boundary::Directions;
 use crate::coupling::Coupling;
 use crate::coupling::truss::NodeArea;
 use crate::fem::edge::EdgeLoad;
@@ -295,15 +296,19 @@ impl Reader<'_> {
         let Some(name) = &written.phase else {
             return Ok(None);
         };
+        let key = format!("boundary/{index}/phase");
+        self.phase_named(&key, name).map(Some)
+    }
+
+    fn phase_named(&self, key: &str, name: &str) -> Result<usize, InputError> {
         let names = self.phase_names();
-        let found = names.iter().position(|n| n == name);
         let unknown = || {
             let message = format!("there is no phase `{name}` in `loading.phases`");
             let help = choices(name, names.iter().copied());
-            let key = format!("boundary/{index}/phase");
-            self.source.error(&key, message, Some(help))
+            self.source.error(key, message, Some(help))
         };
-        found.map(Some).ok_or_else(unknown)
+        let found = names.iter().position(|n| *n == name);
+        found.ok_or_else(unknown)
     }
 
     pub(super) fn coupling(&self) -> Result<Coupling, InputError> {
@@ -361,6 +366,7 @@ impl Reader<'_> {
                 material,
                 strength: self.strength(&region.material)?,
                 method,
+                angle_by_default: region.angle.is_none(),
             })
         };
         self.spec.regions.iter().enumerate().map(read).collect()
@@ -457,10 +463,14 @@ impl Reader<'_> {
 
     /// The lattice's angle to the x axis [rad].
     fn lattice_angle(&self, index: usize, region: &spec::Region) -> Result<f64, InputError> {
-        let key = format!("regions/{index}/angle");
-        let Some(written) = &region.angle else {
-            return Ok(0.0);
-        };
+        let written = region.angle.as_ref();
+        written.map_or(Ok(0.0), |a| {
+            self.angle(&format!("regions/{index}/angle"), a)
+        })
+    }
+
+    /// An angle [rad].
+    fn angle(&self, key: &str, written: &spec::Scalar) -> Result<f64, InputError> {
         let text = written.0.trim();
         let degrees = text.strip_suffix("deg").or(text.strip_suffix('°'));
         let number = degrees.or(text.strip_suffix("rad")).unwrap_or(text);
@@ -469,7 +479,7 @@ impl Reader<'_> {
             _ => {
                 let help = "write degrees, `20 deg`, or radians, `0.35`";
                 let message = format!("`{text}` is not an angle");
-                return Err(self.source.error(&key, message, Some(help.to_owned())));
+                return Err(self.source.error(key, message, Some(help.to_owned())));
             }
         };
         Ok(if degrees.is_some() {
@@ -541,9 +551,10 @@ impl Reader<'_> {
 
     pub(super) fn conditions(&self) -> Result<Vec<Condition>, InputError> {
         let written = self.spec.boundary.iter().enumerate();
-        let conditions: Vec<Condition> = written
+        let mut conditions: Vec<Condition> = written
             .map(|(index, written)| self.condition(index, written))
             .collect::<Result<_, _>>()?;
+        conditions.extend(self.gravity()?);
         if conditions.iter().all(|c| c.displacement.is_none()) {
             let message = "no displacement is prescribed: nothing holds the body";
             let help = "add a support, such as `- { group: clamp, displacement: { x: 0, y: 0 } }`";
@@ -554,14 +565,67 @@ impl Reader<'_> {
         Ok(conditions)
     }
 
+    /// The weight of every region whose material has a density.
+    fn gravity(&self) -> Result<Vec<Condition>, InputError> {
+        let Some(written) = &self.spec.gravity else {
+            return Ok(Vec::new());
+        };
+        let components = spec::Components {
+            x: written.x.clone(),
+            y: written.y.clone(),
+        };
+        let gravity = self.components("gravity", &components, Dimension::ACCELERATION)?;
+        let phase = match &written.phase {
+            Some(name) => Some(self.phase_named("gravity/phase", name)?),
+            None => None,
+        };
+        self.check_in_phase("gravity", "under `gravity`", phase, true)?;
+        let mut conditions = Vec::new();
+        for region in &self.spec.regions {
+            let Some(material) = self.spec.materials.get(&region.material) else {
+                continue;
+            };
+            let Some(density) = &material.density else {
+                continue;
+            };
+            let key = format!("materials/{}/density", region.material);
+            let density = self.positive(&key, density, Dimension::DENSITY)?;
+            let weight = gravity.map(|g| density * g.unwrap_or(0.0));
+            conditions.extend(region.group.0.iter().map(|group| Condition {
+                group: group.clone(),
+                key: "gravity".to_owned(),
+                displacement: None,
+                loads: Vec::new(),
+                force: None,
+                body_force: Some(weight),
+                phase,
+            }));
+        }
+        if conditions.is_empty() {
+            let message = "`gravity` acts on nothing: no region's material has a `density`";
+            let help = "add one, such as `density: 2400 kg/m^3`, to a material".to_owned();
+            return Err(self.source.error("gravity", message, Some(help)));
+        }
+        Ok(conditions)
+    }
+
     fn condition(&self, index: usize, written: &spec::Boundary) -> Result<Condition, InputError> {
         let displacement = written.displacement.as_ref();
         let displacement = displacement
-            .map(|c| self.components(index, "displacement", c, Dimension::LENGTH))
+            .map(|written| self.displacement(index, written))
             .transpose()?;
+        let key = |field: &str| format!("boundary/{index}/{field}");
+        let total = |field: &str, written: &Option<spec::Components>, dimension| {
+            let read = |c| self.components(&key(field), c, dimension);
+            let components = written.as_ref().map(read).transpose()?;
+            Ok::<_, InputError>(components.map(|c| c.map(|f| f.unwrap_or(0.0))))
+        };
+        let force = total("force", &written.force, Dimension::FORCE)?;
+        let per_volume = Dimension::FORCE_PER_VOLUME;
+        let body_force = total("body_force", &written.body_force, per_volume)?;
         let mut loads = Vec::new();
         if let Some(components) = &written.traction {
-            let traction = self.components(index, "traction", components, Dimension::PRESSURE)?;
+            let traction = self.components(&key("traction"), components, Dimension::PRESSURE)?;
             loads.push(EdgeLoad::Traction(traction.map(|t| t.unwrap_or(0.0))));
         }
         if let Some(pressure) = &written.pressure {
@@ -569,57 +633,107 @@ impl Reader<'_> {
             let pressure = self.quantity(&key, pressure, Dimension::PRESSURE)?;
             loads.push(EdgeLoad::Pressure(pressure));
         }
-        if displacement.is_none() && loads.is_empty() {
+        let is_loaded = !loads.is_empty() || force.is_some() || body_force.is_some();
+        if displacement.is_none() && !is_loaded {
             let message = format!("nothing happens at `{}`", written.group);
-            let help = "give a `displacement`, a `traction` or a `pressure`".to_owned();
+            let help = "give a `displacement`, a `traction`, a `pressure`, a `force` or, on a \
+                        surface, a `body_force`"
+                .to_owned();
             return Err(self
                 .source
                 .error(&format!("boundary/{index}"), message, Some(help)));
         }
         let phase = self.phase_of(index, written)?;
-        let moves = displacement.iter().flatten().flatten().any(|u| *u != 0.0);
-        let several = self
-            .spec
-            .loading
-            .as_ref()
-            .is_some_and(|l| !l.phases.is_empty());
-        if several && phase.is_none() && (moves || !loads.is_empty()) {
-            let message = format!("what happens at `{}` belongs to no phase", written.group);
-            let names = self.phase_names();
-            let help = format!(
-                "add `phase:` and one of {}; without it only supports, `{{ x: 0, y: 0 }}`, may stand",
-                quoted(&names)
-            );
-            return Err(self
-                .source
-                .error(&format!("boundary/{index}"), message, Some(help)));
-        }
+        let components = displacement.iter().flat_map(|d| d.components).flatten();
+        let moves = components.into_iter().any(|u| u != 0.0);
+        let entry = format!("boundary/{index}");
+        let place = format!("at `{}`", written.group);
+        self.check_in_phase(&entry, &place, phase, moves || is_loaded)?;
         Ok(Condition {
             group: written.group.clone(),
+            key: entry,
             displacement,
             loads,
+            force,
+            body_force,
             phase,
         })
     }
 
-    /// The x and y of a displacement or traction, at least one of which must be given.
-    fn components(
+    /// Where there are phases, what is no support belongs to one.
+    fn check_in_phase(
+        &self,
+        key: &str,
+        place: &str,
+        phase: Option<usize>,
+        acts: bool,
+    ) -> Result<(), InputError> {
+        let names = self.phase_names();
+        if names.is_empty() || phase.is_some() || !acts {
+            return Ok(());
+        }
+        let message = format!("what happens {place} belongs to no phase");
+        let help = format!(
+            "add `phase:` and one of {}; without it only supports, `{{ x: 0, y: 0 }}`, may stand",
+            quoted(&names)
+        );
+        Err(self.source.error(key, message, Some(help)))
+    }
+
+    fn displacement(
         &self,
         index: usize,
-        field: &str,
+        written: &spec::Displacement,
+    ) -> Result<Displaced, InputError> {
+        let key = format!("boundary/{index}/displacement");
+        let on_curve = written.normal.is_some() || written.tangential.is_some();
+        if on_curve && (written.x.is_some() || written.y.is_some() || written.angle.is_some()) {
+            let message = "a displacement is along `x` and `y`, or along `normal` and `tangential`";
+            let help = "give two entries for the group, or turn x and y by an `angle`".to_owned();
+            return Err(self.source.error(&key, message, Some(help)));
+        }
+        if on_curve {
+            let read = |field: &str, value: &Option<spec::Scalar>| {
+                let read = |v| self.quantity(&format!("{key}/{field}"), v, Dimension::LENGTH);
+                value.as_ref().map(read).transpose()
+            };
+            return Ok(Displaced {
+                directions: Directions::Curve,
+                components: [
+                    read("normal", &written.normal)?,
+                    read("tangential", &written.tangential)?,
+                ],
+            });
+        }
+        let angle = written.angle.as_ref();
+        let angle = angle.map(|a| self.angle(&format!("{key}/angle"), a));
+        let components = spec::Components {
+            x: written.x.clone(),
+            y: written.y.clone(),
+        };
+        Ok(Displaced {
+            directions: Directions::Turned(angle.transpose()?.unwrap_or(0.0)),
+            components: self.components(&key, &components, Dimension::LENGTH)?,
+        })
+    }
+
+    /// The x and y at a key, at least one of which must be given.
+    fn components(
+        &self,
+        key: &str,
         written: &spec::Components,
         dimension: Dimension,
     ) -> Result<[Option<f64>; 2], InputError> {
-        let key = format!("boundary/{index}/{field}");
         let one = |axis: &str, value: &Option<spec::Scalar>| {
             let read = |value| self.quantity(&format!("{key}/{axis}"), value, dimension);
             value.as_ref().map(read).transpose()
         };
         let components = [one("x", &written.x)?, one("y", &written.y)?];
         if components == [None, None] {
+            let field = key.rsplit('/').next().unwrap_or(key);
             let help = format!("give `x`, `y` or both: `{field}: {{ x: 0 }}`");
             let message = format!("this {field} has no component");
-            return Err(self.source.error(&key, message, Some(help)));
+            return Err(self.source.error(key, message, Some(help)));
         }
         Ok(components)
     }

@@ -30,6 +30,7 @@ pub(super) fn recipe(
         "no_fail",
         "coupling",
         "boundary",
+        "gravity",
         "loading.control",
         "loading.steps",
         "loading.until",

@@ -5,12 +5,14 @@ use super::history::Line;
 use super::made::Made;
 use super::parts::{Parts, has_damage};
 use super::plan::{Plan, Probe};
+use super::reel::Reel;
 use super::run::RunError;
 use super::solved::Solved;
 use super::workshop::Workshop;
 use crate::boundary::Boundary;
 use crate::gmsh::{self, Extract};
 use crate::model::{Method, Model};
+use crate::output::animation::AnimationError;
 use crate::output::picture::PictureError;
 use crate::output::pvd::PvdError;
 use crate::output::vtu::VtuError;
@@ -30,6 +32,8 @@ pub enum ResultsError {
     #[error(transparent)]
     Picture(#[from] PictureError),
     #[error(transparent)]
+    Animation(#[from] AnimationError),
+    #[error(transparent)]
     Write(#[from] crate::output::WriteError),
 }
 
@@ -44,8 +48,8 @@ pub struct Outcome<'a> {
 }
 
 impl Outcome<'_> {
-    /// Writes everything but the summary into `folder`, without what has been `drafted` there, and
-    /// returns all that is there now.
+    /// Writes everything but the summary and the report into `folder`, without what has been `drafted`
+    /// there, and returns all that is there now, and the pictures that the report moves through.
     ///
     /// # Errors
     /// See [`ResultsError`].
@@ -54,7 +58,7 @@ impl Outcome<'_> {
         folder: &Path,
         drafted: Vec<Made>,
         phases: &mut Phases,
-    ) -> Result<Vec<Made>, RunError> {
+    ) -> Result<(Vec<Made>, Option<Reel>), RunError> {
         let workshop = Workshop {
             outcome: self,
             folder,
@@ -65,10 +69,22 @@ impl Outcome<'_> {
             trace: phases.trace().clone(),
         };
         let mut made = phases.measure("vtu", || workshop.parts())?;
-        if self.plan.output.pictures {
+        made.push(workshop.view()?);
+        if !self.plan.output.pictures.is_none() {
             made.extend(phases.measure("pictures", || workshop.pictures())?);
         }
-        Ok(made)
+        let output = &self.plan.output;
+        let is_shown = output.is_animated() || output.is_reported();
+        let Some(course) = self.solved.fracture.as_ref().filter(|_| is_shown) else {
+            return Ok((made, None));
+        };
+        let draw = || Reel::new(self.plan, self.model, course);
+        let reel = phases.measure("animation", draw)?;
+        if output.is_animated() {
+            let film = || reel.film(folder, &workshop.trace);
+            made.push(phases.measure("animation", film)?);
+        }
+        Ok((made, Some(reel)))
     }
 
     pub(super) fn parts(&self) -> Parts<'_> {

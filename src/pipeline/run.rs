@@ -12,6 +12,7 @@ use super::made::{Made, account};
 use super::meshing::{mesh_geometry, to_mesh};
 use super::plan::{Loading, Plan};
 use super::recipe::recipe;
+use super::report::REPORT_FILE;
 use super::results::{Outcome, ResultsError, lattice_name};
 use super::scribe::{HISTORY_FILE, Written};
 use super::solved::{Course, Solved, StoredSolution};
@@ -73,6 +74,8 @@ pub enum RunError {
     /// `holder`: who writes there, if that is known.
     #[error("another run is writing to {}{}", .folder.display(), by(.holder))]
     Busy { folder: PathBuf, holder: String },
+    #[error("{message}")]
+    Viewer { message: String, help: String },
 }
 
 fn by(holder: &str) -> String {
@@ -95,6 +98,7 @@ impl RunError {
                 "wait until it has ended, or end it: what it has done is kept, and the next run goes on"
                     .to_owned(),
             ),
+            RunError::Viewer { help, .. } => Some(help.clone()),
             RunError::File { .. } | RunError::Write(_) => Some(
                 "is there space, and may you write there? `--results FOLDER` chooses another place"
                     .to_owned(),
@@ -564,17 +568,24 @@ impl Run<'_> {
             ..Costs::default()
         };
         costs.drafted = drafted.len();
-        let made = outcome.write(draft.path(), drafted, &mut costs.phases)?;
+        let (made, reel) = outcome.write(draft.path(), drafted, &mut costs.phases)?;
+
         costs.phases.complete(start.elapsed());
         costs.peak_memory = peak_memory();
         costs.made = made;
         self.costs.append(costs);
         let made = self.costs.made.iter();
         let mut files: Vec<String> = made.map(|made| made.name.clone()).collect();
+        if self.plan.output.is_reported() {
+            files.push(REPORT_FILE.to_owned());
+        }
         files.push(SUMMARY_FILE.to_owned());
         let summary = outcome.summary(&files, &self.costs);
         let text = serde_json::to_string_pretty(&summary).expect("a summary is plain data") + "\n";
         write_whole(&draft.path().join(SUMMARY_FILE), text.as_bytes())?;
+        if self.plan.output.is_reported() {
+            outcome.report(draft.path(), &self.costs.made, reel.as_ref(), &summary)?;
+        }
         let obsolete = self.begin(Stage::Output, &files)?;
         for file in &files {
             fs::rename(draft.path().join(file), folder.join(file))

@@ -1,5 +1,9 @@
 //! The pipeline file as it is written (YAML): raw text for every quantity, no unknown key.
 
+mod pictures;
+
+pub use pictures::{Format, PictureKind, Pictures};
+
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
@@ -29,6 +33,9 @@ pub struct Spec {
     #[serde(default)]
     pub coupling: Coupling,
     pub boundary: Vec<Boundary>,
+    /// Acts on all regions whose material has a density.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<Gravity>,
     /// Absent: one elastic solve.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loading: Option<Loading>,
@@ -84,6 +91,8 @@ pub struct Material {
     pub compressive_strength: Option<Scalar>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_release_rate: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density: Option<Scalar>,
 }
 
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
@@ -282,16 +291,22 @@ impl<'de> Deserialize<'de> for Coupling {
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Boundary {
-    /// A physical curve or point.
+    /// A physical curve or point; for `body_force` a surface.
     #[serde(deserialize_with = "name")]
     #[schemars(schema_with = "name_schema")]
     pub group: String,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub displacement: Option<Components>,
+    pub displacement: Option<Displacement>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub traction: Option<Components>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Scalar>,
+    /// In all, on a curve or a point.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force: Option<Components>,
+    /// Per volume, on a surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body_force: Option<Components>,
     /// The phase of `loading.phases` that applies it; absent: a support in all of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<String>,
@@ -304,6 +319,33 @@ pub struct Components {
     pub x: Option<Scalar>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub y: Option<Scalar>,
+}
+
+/// Along x and y, or along axes turned by `angle`; or along the curve's normal and tangent.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Displacement {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tangential: Option<Scalar>,
+}
+
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Gravity {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y: Option<Scalar>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase: Option<String>,
 }
 
 /// How the load grows while bonds break.
@@ -408,9 +450,18 @@ pub struct Output {
     pub every: usize,
     /// Write bonds and trusses as lines with their stretch.
     pub bonds: bool,
-    pub pictures: bool,
+    /// Which pictures are drawn: `true`, the usual ones, `false`, none, or a list.
+    pub pictures: Pictures,
     /// Steps of a fracture run whose damage is drawn; they have a frame.
     pub pictures_at: Vec<usize>,
+    /// Of the pictures.
+    pub formats: Vec<Format>,
+    /// The damage of a fracture run's frames as a film; as `pictures` where it is not said.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub animation: Option<bool>,
+    /// All of it on one page; as `pictures` where it is not said.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub report: Option<bool>,
 }
 
 impl Default for Output {
@@ -420,9 +471,28 @@ impl Default for Output {
             fields: vec![Displacement, Stress, Strain],
             every: 1,
             bonds: false,
-            pictures: true,
+            pictures: Pictures::Usual,
             pictures_at: Vec::new(),
+            formats: vec![Format::Png],
+            animation: None,
+            report: None,
         }
+    }
+}
+
+impl Output {
+    /// The formats, each once.
+    pub fn formats(&self) -> Vec<Format> {
+        let all = [Format::Png, Format::Svg].into_iter();
+        all.filter(|format| self.formats.contains(format)).collect()
+    }
+
+    pub fn is_animated(&self) -> bool {
+        self.animation.unwrap_or(self.pictures != Pictures::None)
+    }
+
+    pub fn is_reported(&self) -> bool {
+        self.report.unwrap_or(self.pictures != Pictures::None)
     }
 }
 

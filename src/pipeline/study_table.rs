@@ -269,7 +269,7 @@ fn curves(
             None => curves.push(Curve {
                 name,
                 points: vec![[x, y]],
-                marks: Vec::new(),
+                ..Curve::default()
             }),
         }
     }

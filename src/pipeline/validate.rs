@@ -1,6 +1,6 @@
 //! A plan and a mesh to the discretisation; what does not fit is told at its key in the pipeline.
 
-use super::plan::{Condition, Plan, Probe};
+use super::plan::{Condition, Displaced, Plan, Probe};
 use super::source::{InputError, choices, quoted};
 use crate::boundary::{Boundary, BoundaryError};
 use crate::coupling::splice::SpliceError;
@@ -10,7 +10,7 @@ use crate::fracture::programme::{LoadPhase, Programme};
 use crate::fracture::state::Limits;
 use crate::geometry::Outline;
 use crate::mesh::Mesh;
-use crate::model::{Method, Model, ModelError, Region};
+use crate::model::{self, Method, Model, ModelError, Region};
 use crate::support::{self, NotHeld};
 use std::collections::BTreeMap;
 
@@ -19,13 +19,16 @@ use std::collections::BTreeMap;
 /// # Errors
 /// The first thing that does not fit.
 pub fn discretise(plan: &Plan, mesh: Mesh) -> Result<(Model, Boundary), InputError> {
-    let regions = regions(plan, &mesh)?;
+    let mut regions = regions(plan, &mesh)?;
+    let by_default: Vec<bool> = plan.regions.iter().map(|r| r.angle_by_default).collect();
+    model::bodies::turn_lattices(&mesh, &mut regions, &by_default);
     check_groups(plan, &mesh)?;
     let cracks = cracks(plan, &mesh)?;
     check_no_fail(plan, &mesh)?;
     let model = Model::build(mesh, regions, plan.model).map_err(|e| model_error(plan, &e))?;
     let model = model.with_cracks(&cracks);
     let boundary = programme(plan, &model)?.phases.swap_remove(0).boundary;
+    let model = model.with_node_axes(&boundary.node_axes);
     support::check(&model, &boundary).map_err(|error| not_held(plan, &model, &error))?;
     check_probes(plan, &model)?;
     Ok((model, boundary))
@@ -62,8 +65,15 @@ fn boundary(plan: &Plan, model: &Model, phase: usize) -> Result<Boundary, InputE
         apply(&mut boundary, model, condition).map_err(|e| fail(index, e))?;
     }
     for (index, condition) in conditions().filter(|(_, c)| !is_own(c)) {
-        let components = condition.displacement.unwrap_or_default();
-        let held = boundary.hold(model, &condition.group, components.map(|u| u.is_some()));
+        let Some(Displaced {
+            directions,
+            components,
+        }) = condition.displacement
+        else {
+            continue;
+        };
+        let components = components.map(|u| u.is_some());
+        let held = boundary.hold_along(model, &condition.group, directions, components);
         held.map_err(|e| fail(index, e))?;
     }
     Ok(boundary)
@@ -119,11 +129,18 @@ fn apply(
     model: &Model,
     condition: &Condition,
 ) -> Result<(), BoundaryError> {
-    if let Some(components) = condition.displacement {
-        boundary.displace(model, &condition.group, components)?;
+    let group = &condition.group;
+    if let Some(displaced) = condition.displacement {
+        boundary.displace_along(model, group, displaced.directions, displaced.components)?;
     }
     for &load in &condition.loads {
-        boundary.press(model, &condition.group, load)?;
+        boundary.press(model, group, load)?;
+    }
+    if let Some(force) = condition.force {
+        boundary.push(model, group, force)?;
+    }
+    if let Some(density) = condition.body_force {
+        boundary.weigh(model, group, density)?;
     }
     Ok(())
 }
@@ -172,21 +189,35 @@ fn boundary_groups(mesh: &Mesh) -> impl Iterator<Item = &str> {
 }
 
 fn check_groups(plan: &Plan, mesh: &Mesh) -> Result<(), InputError> {
-    for (index, condition) in plan.conditions.iter().enumerate() {
+    for condition in &plan.conditions {
         let group = &condition.group;
-        if !boundary_groups(mesh).any(|name| name == group) {
+        let on_surface = condition.body_force.is_some();
+        let acts_else = condition.displacement.is_some()
+            || !condition.loads.is_empty()
+            || condition.force.is_some();
+        if on_surface && !mesh.surfaces.contains_key(group) {
+            let file = plan.geometry.file.display();
+            let message = format!("there is no physical surface `{group}` in {file}");
+            let help = choices(group, mesh.surfaces.keys().map(String::as_str));
+            let key = format!("{}/group", condition.key);
+            return Err(plan.source.error(&key, message, Some(help)));
+        }
+        if (acts_else || !on_surface) && !boundary_groups(mesh).any(|name| name == group) {
             let file = plan.geometry.file.display();
             let message = if mesh.surfaces.contains_key(group) {
                 format!(
-                    "group `{group}` of {file} is a surface, and `boundary` acts on curves and points"
+                    "group `{group}` of {file} is a surface, and `boundary` acts on curves and points; \
+                     only a `body_force` acts on surfaces"
                 )
             } else {
                 format!("there is no physical curve or point `{group}` in {file}")
             };
             let help = choices(group, boundary_groups(mesh));
-            return Err(plan
-                .source
-                .error(&format!("boundary/{index}/group"), message, Some(help)));
+            return Err(plan.source.error(
+                &format!("{}/group", condition.key),
+                message,
+                Some(help),
+            ));
         }
     }
     Ok(())
@@ -366,13 +397,23 @@ fn boundary_error(plan: &Plan, index: usize, error: &BoundaryError) -> InputErro
         BoundaryError::NoOutline { .. } => {
             "loads act on curves that bound the body; this one lies inside it or off it"
         }
-        BoundaryError::LoadOnPoint { .. } => "give the traction to a physical curve",
+        BoundaryError::NoNormal { .. } => {
+            "`normal` and `tangential` need a curve; on a point, and where a curve turns back on \
+             itself, give `x`, `y` and an `angle`"
+        }
+        BoundaryError::Contradiction { .. } => {
+            "where two groups meet, what they prescribe must be possible together; leave the \
+             component to one of them"
+        }
+        BoundaryError::LoadOnPoint { .. } => {
+            "give the traction to a physical curve, or a `force` to the point"
+        }
         BoundaryError::Conflict { .. } => {
             "where two groups meet, they must prescribe the same value, or only one of them"
         }
     };
     plan.source.error(
-        &format!("boundary/{index}"),
+        &plan.conditions[index].key,
         error.to_string(),
         Some(help.to_owned()),
     )

@@ -6,6 +6,8 @@ use super::made::Made;
 use super::parts::{PartKind, Parts};
 use super::results::{Outcome, ResultsError};
 use super::run::RunError;
+use super::spec::Format;
+use super::view::VIEW_FILE;
 use crate::output::{pvd, write_whole};
 use crate::trace::Trace;
 use rayon::prelude::*;
@@ -76,14 +78,27 @@ impl Workshop<'_> {
         })
     }
 
+    /// The script that shows the parts.
+    pub fn view(&self) -> Result<Made, ResultsError> {
+        Made::measured(VIEW_FILE.to_owned(), &self.trace, |name| {
+            let text = self.outcome.view();
+            write_whole(&self.folder.join(name), text.as_bytes())?;
+            Ok([text.len() as u64; 2])
+        })
+    }
+
     /// The pictures that there are to make.
     pub fn pictures(&self) -> Result<Vec<Made>, RunError> {
         let sheets = self.outcome.sheets();
-        in_order(sheets.par_iter().map(|&sheet| {
-            let drafted = self.drafted.get(&sheet.file());
-            let made = drafted.cloned().map(Ok);
-            made.unwrap_or_else(|| self.outcome.draw(sheet, self.folder, &self.trace))
-        }))
+        let formats = self.outcome.plan.output.formats();
+        let made = in_order(sheets.par_iter().map(|&sheet| {
+            let drafted = |&format: &Format| self.drafted.get(&sheet.file(format)).cloned();
+            if let Some(drafted) = formats.iter().map(drafted).collect() {
+                return Ok(drafted);
+            }
+            self.outcome.draw(sheet, &formats, self.folder, &self.trace)
+        }))?;
+        Ok(made.into_iter().flatten().collect())
     }
 }
 

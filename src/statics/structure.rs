@@ -12,7 +12,6 @@ use crate::linear_solver::two_level::TwoLevel;
 use crate::linear_solver::{Factor, Method, SolverError, cholesky, expected_factor_entries, lu};
 use crate::model::Model;
 use crate::phases::Phases;
-use crate::springs::Springs;
 
 pub(super) enum Structure {
     Symmetric {
@@ -80,15 +79,11 @@ impl Structure {
         })
     }
 
-    /// K with the springs that are intact.
-    pub(super) fn assemble(
-        &self,
-        positions: &[[f64; 2]],
-        springs: &Springs,
-        intact: &[bool],
-    ) -> Stiffness {
+    /// K with the springs that are intact, in the axes of the nodes.
+    pub(super) fn assemble(&self, model: &Model, intact: &[bool]) -> Stiffness {
         let is_intact = |spring: usize| intact[spring];
-        match self {
+        let (springs, positions) = (&model.springs, &model.positions);
+        let mut stiffness = match self {
             Structure::Symmetric {
                 elements, pattern, ..
             } => Stiffness::Symmetric(
@@ -97,7 +92,9 @@ impl Structure {
             Structure::Full {
                 equations, pattern, ..
             } => Stiffness::Full(pattern.assemble_intact(positions, springs, is_intact, equations)),
-        }
+        };
+        stiffness.turn(&model.node_axes);
+        stiffness
     }
 
     /// Brings the columns of some nodes up to the springs that are intact.

@@ -11,6 +11,7 @@ use crate::model::PeridynamicSettings;
 use crate::peridynamics::bonds::bonds;
 use crate::peridynamics::kernel::Micromodulus;
 use crate::peridynamics::lattice::{Lattice, lattice};
+use crate::peridynamics::visibility::Visibility;
 use crate::springs::{self, Springs};
 
 /// The bonds of a square of `side` × `side` points, h_t = 1 m and E = 1 Pa.
@@ -29,7 +30,9 @@ impl Square {
         };
         let lattice = lattice(&outline, &[], &settings.lattice);
         let micromodulus = settings.micromodulus(&super::bodies::material(1.0), PlaneState::Stress);
-        let bonds = bonds(&lattice, &micromodulus, 1.0, 0);
+        let spacing = settings.lattice.spacing;
+        let visibility = Visibility::new(&outline, spacing, micromodulus.reach());
+        let bonds = bonds(&lattice, &micromodulus, 1.0, 0, &visibility);
         Square {
             lattice,
             bonds,

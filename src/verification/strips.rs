@@ -15,6 +15,7 @@ use crate::peridynamics::bonds::bonds;
 use crate::peridynamics::kernel::Micromodulus;
 use crate::peridynamics::lattice::{CellArea, Lattice, LatticeSettings, Placement, lattice};
 use crate::peridynamics::surface::{Surface, SurfaceCorrection};
+use crate::peridynamics::visibility::Visibility;
 use crate::springs::Springs;
 use nalgebra::{DMatrix, DVector};
 
@@ -30,8 +31,9 @@ pub fn corrected(
     let spacing = micromodulus.spacing;
     let cells = LatticeSettings::upright(spacing, Placement::CellCentred, CellArea::Clipped);
     let points = lattice(region, &[], &cells);
-    let mut bonds = bonds(&points, micromodulus, 1.0, 0);
-    let surface = Surface::new(correction, region, body, &cells, micromodulus)?;
+    let visibility = Visibility::new(body, spacing, micromodulus.reach());
+    let mut bonds = bonds(&points, micromodulus, 1.0, 0, &visibility);
+    let surface = Surface::new(correction, region, body, &cells, micromodulus, &visibility)?;
     surface.correct(&mut bonds, &points.positions, 0);
     Ok((points, bonds))
 }

@@ -186,7 +186,7 @@ impl Line<'_> {
         let at = self.place(k, sub_strip);
         sub_strip.offset != 0.0
             && self.region.outline.contains(at)
-            && stencil::value(self.region.index, at).is_some()
+            && stencil::value(self.region.index, self.region.visibility, at).is_some()
     }
 
     /// Where a site's stand-in on the sub-strip's middle is [m].
@@ -196,10 +196,18 @@ impl Line<'_> {
         [x + sub_strip.offset * p[0], y + sub_strip.offset * p[1]]
     }
 
-    /// Chains do not bridge the empty outside, but for bonds between two points.
+    /// Chains do not bridge the empty outside; a bond between two points tells by itself whether it does,
+    /// for all parts of its strip.
     fn may_join(&self, interval: &Interval, [p, q]: [&End; 2]) -> bool {
         let bridges = |gap: &[f64; 2]| gap[0] < q.along() && gap[1] > p.along();
-        self.is_bond([p, q]).is_some() || !interval.gaps.iter().any(bridges)
+        match self.is_bond([p, q]) {
+            Some(k) => {
+                let position = |k: i64| self.region.index.position(self.site(k));
+                let visibility = self.region.visibility;
+                visibility.sees(position(k), position(k + self.chains))
+            }
+            None => !interval.gaps.iter().any(bridges),
+        }
     }
 
     fn is_bond(&self, ends: [&End; 2]) -> Option<i64> {
@@ -298,14 +306,15 @@ impl Line<'_> {
     ) -> Stencil {
         let index = self.region.index;
         let Some(point) = self.point(k) else {
-            return stencil::value(index, self.place(k, sub_strip))
+            return stencil::value(index, self.region.visibility, self.place(k, sub_strip))
                 .expect("only such sites are members");
         };
         let mut shares = vec![(point, 1.0)];
         if sub_strip.offset != 0.0 {
             let derivative = derivatives.entry(k).or_insert_with(|| {
                 let direction = self.frame.perpendicular();
-                stencil::derivative(index, self.site(k), direction).unwrap_or_default()
+                stencil::derivative(index, self.region.visibility, self.site(k), direction)
+                    .unwrap_or_default()
             });
             let scaled = derivative
                 .iter()

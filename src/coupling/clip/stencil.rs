@@ -1,6 +1,8 @@
-//! Displacements beside the lattice's points, linear in those of the points nearby.
+//! Displacements beside the lattice's points, linear in those of the points nearby that are seen from
+//! there.
 
 use crate::peridynamics::point_index::PointIndex;
+use crate::peridynamics::visibility::Visibility;
 use nalgebra::{Matrix3, Vector3};
 
 /// Points with their shares.
@@ -14,14 +16,22 @@ const SPREAD: f64 = 0.1;
 
 /// The derivative of u along `direction` at a point's site [1/m]: central differences along the
 /// lattice's axes, one-sided ones at its rim. `None` where there are no neighbours.
-pub fn derivative(index: &PointIndex, site: [i64; 2], direction: [f64; 2]) -> Option<Stencil> {
+pub fn derivative(
+    index: &PointIndex,
+    visibility: &Visibility,
+    site: [i64; 2],
+    direction: [f64; 2],
+) -> Option<Stencil> {
     let here = index.point(site)?;
+    let view = visibility.from(index.position(site));
     let mut stencil = Vec::new();
     for axis in 0..2 {
         let beside = |step: i64| {
             let mut other = site;
             other[axis] += step;
-            index.point(other)
+            index
+                .point(other)
+                .filter(|_| view.sees(index.position(other)))
         };
         let slope = direction[axis] / index.spacing;
         match [beside(-1), beside(1)] {
@@ -32,7 +42,8 @@ pub fn derivative(index: &PointIndex, site: [i64; 2], direction: [f64; 2]) -> Op
             [None, Some(after)] => stencil.extend([(here, -slope), (after, slope)]),
             [None, None] => {
                 let [x, y] = direction.map(|d| d / index.spacing);
-                return linear(index, index.position(site), Vector3::new(0.0, x, y));
+                let wanted = Vector3::new(0.0, x, y);
+                return linear(index, visibility, index.position(site), wanted);
             }
         }
     }
@@ -40,14 +51,19 @@ pub fn derivative(index: &PointIndex, site: [i64; 2], direction: [f64; 2]) -> Op
 }
 
 /// u at a position along the lattice's axes [m]; `None` far from all points.
-pub fn value(index: &PointIndex, position: [f64; 2]) -> Option<Stencil> {
-    linear(index, position, Vector3::new(1.0, 0.0, 0.0))
+pub fn value(index: &PointIndex, visibility: &Visibility, position: [f64; 2]) -> Option<Stencil> {
+    linear(index, visibility, position, Vector3::new(1.0, 0.0, 0.0))
 }
 
 /// The least shares that give `wanted` (value, derivatives by x/dx and y/dx) of every linear field.
-fn linear(index: &PointIndex, about: [f64; 2], wanted: Vector3<f64>) -> Option<Stencil> {
+fn linear(
+    index: &PointIndex,
+    visibility: &Visibility,
+    about: [f64; 2],
+    wanted: Vector3<f64>,
+) -> Option<Stencil> {
     RADII.into_iter().find_map(|radius| {
-        let nearby = points_within(index, about, radius);
+        let nearby = points_within(index, visibility, about, radius);
         let moments: Matrix3<f64> = nearby.iter().map(|(_, x)| x * x.transpose()).sum();
         if moments.symmetric_eigenvalues().min() < SPREAD {
             return None;
@@ -59,7 +75,13 @@ fn linear(index: &PointIndex, about: [f64; 2], wanted: Vector3<f64>) -> Option<S
 }
 
 /// Points with (1, x, y), x and y in spacings from `about`.
-fn points_within(index: &PointIndex, about: [f64; 2], radius: f64) -> Vec<(u32, Vector3<f64>)> {
+fn points_within(
+    index: &PointIndex,
+    visibility: &Visibility,
+    about: [f64; 2],
+    radius: f64,
+) -> Vec<(u32, Vector3<f64>)> {
+    let view = visibility.from(about);
     let local = [0, 1].map(|axis| (about[axis] - index.first[axis]) / index.spacing);
     let [columns, rows] = local.map(|x| {
         let low = (x - radius).ceil() as i64;
@@ -71,6 +93,7 @@ fn points_within(index: &PointIndex, about: [f64; 2], radius: f64) -> Vec<(u32, 
             let x = Vector3::new(1.0, i as f64 - local[0], j as f64 - local[1]);
             if x[1].hypot(x[2]) <= radius
                 && let Some(point) = index.point([i, j])
+                && view.sees(index.position([i, j]))
             {
                 found.push((point, x));
             }
@@ -103,18 +126,18 @@ mod tests {
 
     #[test]
     fn linear_fields_are_exact_inside_at_the_rim_and_at_a_lone_point() {
-        let index = index();
+        let (index, view) = (index(), Visibility::unlimited());
         let field = |[x, y]: [f64; 2]| 0.7 + 2.0 * x - 3.0 * y;
         for site in [[2, 2], [0, 0], [5, 2], [5, 4]] {
-            let stencil = derivative(&index, site, [0.6, 0.8]).expect("points nearby");
+            let stencil = derivative(&index, &view, site, [0.6, 0.8]).expect("points nearby");
             let slope = apply(&index, &stencil, field);
             assert!((slope - (1.2 - 2.4)).abs() < 1e-13, "{site:?} {slope}");
         }
         for position in [[0.93, 1.07], [0.0, 0.1], [2.7, 2.4]] {
-            let stencil = value(&index, position).expect("points nearby");
+            let stencil = value(&index, &view, position).expect("points nearby");
             let found = apply(&index, &stencil, field);
             assert!((found - field(position)).abs() < 1e-13, "{position:?}");
         }
-        assert_eq!(value(&index, [9.0, 9.0]), None);
+        assert_eq!(value(&index, &view, [9.0, 9.0]), None);
     }
 }

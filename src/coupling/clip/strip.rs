@@ -159,7 +159,7 @@ impl Outlook<'_> {
                 entered = entered.or(Some(place));
             } else if let Some(start) = entered.take() {
                 match intervals.last_mut() {
-                    // Bonds are blind to what lies between two free sides.
+                    // What lies between two free sides is for the chain to tell.
                     Some(last) if self.is_free(&arcs, last[1]) && self.is_free(&arcs, start) => {
                         last[1] = place;
                     }

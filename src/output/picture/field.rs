@@ -1,13 +1,14 @@
 //! A scalar field over cells and material points, with a colour bar.
 
 use super::frame::{
-    Anchor, Bounds, Frame, GAP, MOST_TICKS, Page, Room, TEXT_SIZE, TITLE_SIZE, text_width,
-    title_width,
+    Bounds, Frame, GAP, MOST_TICKS, Room, TEXT_SIZE, TITLE_SIZE, shortened, text_width, title_width,
 };
+use super::page::{Anchor, Page};
 use super::raster::Raster;
+use super::shape::Shape;
 use super::ticks::{Ticks, Unit, significant};
-use super::{Picture, PictureError, check_finite, square};
-use crate::output::colour::{ColourScale, INK};
+use super::{Composition, Picture, PictureError, check_finite, square};
+use crate::output::colour::{CELL_EDGE, ColourScale, INK, Rgb};
 
 /// A small triangle of a cell, the field linear on it; see [`super::facets`].
 #[derive(Clone, Copy, Debug)]
@@ -40,48 +41,101 @@ pub struct FieldPicture {
     /// Ends of the colour bar [unit of the field], so that several pictures compare; `None`: the
     /// field's own.
     pub range: Option<[f64; 2]>,
+    /// What must be in view as well [m].
+    pub in_view: Vec<[f64; 2]>,
+    /// Whether the sign matters: a field of both signs then has the diverging map, white at zero.
+    pub is_signed: bool,
     /// The factor by which displacements were exaggerated, to be told below the title.
     pub deformation_scale: Option<f64>,
     pub facets: Vec<Facet>,
     pub squares: Vec<Square>,
-    /// Outlines and interfaces, drawn thinly; see [`crate::geometry::chords_of`] [m].
+    /// Sides of cells, drawn thinly; see [`crate::geometry::chords_of`] [m].
+    pub cells: Vec<Vec<[f64; 2]>>,
+    /// Interfaces, drawn strongly [m].
     pub lines: Vec<Vec<[f64; 2]>>,
 }
 
-/// Width of the lines [pixels].
-const LINE_WIDTH: f64 = 1.0;
+/// Width of the cells' sides, and of the other lines [pixels].
+const CELL_WIDTH: f64 = 1.0;
+const LINE_WIDTH: f64 = 2.0;
 /// Width of the colour bar [pixels].
-const BAR_WIDTH: i32 = 34;
+const BAR_WIDTH: i32 = 36;
 /// Distance between the colour bar's ticks [pixels].
-const BAR_TICKS_APART: i32 = 42;
+const BAR_TICKS_APART: i32 = 52;
 /// By this much squares are larger than true [pixels]: on a deformed shape hair-wide gaps between
 /// points would make a pattern of lines.
-const OVERLAP: f64 = 0.5;
+const OVERLAP: f64 = 1.0;
 
 impl FieldPicture {
     pub fn draw(&self) -> Result<Picture, PictureError> {
+        Ok(self.clone().compose()?.picture())
+    }
+
+    /// # Errors
+    /// See [`PictureError`].
+    pub fn compose(self) -> Result<Composition, PictureError> {
+        self.composed(None)
+    }
+
+    /// On a page like another one's, so that both can follow one another.
+    ///
+    /// # Errors
+    /// See [`PictureError`].
+    pub fn compose_like(self, other: &Composition) -> Result<Composition, PictureError> {
+        self.composed(Some(other.frame.clone()))
+    }
+
+    fn composed(self, frame: Option<Frame>) -> Result<Composition, PictureError> {
         check_finite(self.positions().flatten().chain(self.values()))?;
         let bounds = Bounds::of(self.positions()).ok_or(PictureError::Empty)?;
         let own = ColourScale::of(self.values());
-        let scale = self
-            .range
-            .map_or_else(|| own.clone(), |range| ColourScale::of(range.into_iter()));
+        let scale = match self.range {
+            Some(range) => ColourScale::of(range.into_iter()),
+            None => own.clone(),
+        };
+        let scale = if self.is_signed {
+            scale.signed()
+        } else {
+            scale
+        };
         let bar = ColourBar::new(scale, &self.unit);
-        let note_text = self.note(&own, &bar);
+        let note = self.note(&own, &bar);
         let room = Room {
             above: GAP + TITLE_SIZE + GAP + TEXT_SIZE + GAP,
             below: GAP,
             right: bar.width(),
-            across: title_width(&self.title).max(text_width(&note_text) + bar.head_width(self)),
+            across: title_width(&self.title).max(text_width(&note) + bar.head_width(&self)),
         };
-        let frame = Frame::around(bounds, room);
-        let plot = frame.paint(|plot| self.fill(&frame, &bar.scale, plot));
-        Picture::compose(frame.clone(), &plot, |page| {
-            page.draw_title(&frame, &self.title)?;
-            let note = [frame.plot[0], GAP + TITLE_SIZE + GAP + TEXT_SIZE / 2];
-            page.draw_text(&note_text, note, Anchor::Left)?;
-            bar.draw(page, &frame, &self.quantity)
+        let frame = frame.unwrap_or_else(|| Frame::around(bounds, room));
+        let mut page = Page::with_axes(&frame);
+        self.describe(&note, &bar, &frame, &mut page);
+        let stroked = |paths: &[Vec<[f64; 2]>], width: f64, colour: Rgb| -> Vec<Shape> {
+            let stroke = |path: &Vec<[f64; 2]>| Shape::Stroke {
+                path: path.iter().map(|&x| frame.to_plot(x)).collect(),
+                width,
+                colour,
+            };
+            paths.iter().map(stroke).collect()
+        };
+        let mut shapes = stroked(&self.cells, CELL_WIDTH, CELL_EDGE);
+        shapes.extend(stroked(&self.lines, LINE_WIDTH, INK));
+        let placed = frame.clone();
+        Ok(Composition {
+            frame,
+            content: Some(Box::new(move |plot| self.fill(&placed, &bar.scale, plot))),
+            shapes,
+            page,
         })
+    }
+
+    /// Title, note and colour bar.
+    fn describe(&self, note: &str, bar: &ColourBar, frame: &Frame, page: &mut Page) {
+        let width = frame.page[0] - frame.plot[0] - GAP;
+        page.draw_title(frame, &shortened(&self.title, width, title_width));
+        let at = [frame.plot[0], GAP + TITLE_SIZE + GAP + TEXT_SIZE / 2];
+        let note = shortened(note, width + GAP - bar.head_width(self), text_width);
+        page.draw_text(&note, at, Anchor::Left);
+        bar.draw(page, frame, &self.quantity);
     }
 
     fn values(&self) -> impl Iterator<Item = f64> {
@@ -92,8 +146,9 @@ impl FieldPicture {
     fn positions(&self) -> impl Iterator<Item = [f64; 2]> {
         let facets = self.facets.iter().flat_map(|facet| facet.corners);
         let squares = self.squares.iter().flat_map(|s| square(s.centre, s.side));
-        let lines = self.lines.iter().flatten().copied();
-        facets.chain(squares).chain(lines)
+        let lines = self.cells.iter().chain(&self.lines).flatten().copied();
+        let in_view = self.in_view.iter().copied();
+        facets.chain(squares).chain(lines).chain(in_view)
     }
 
     fn fill(&self, frame: &Frame, scale: &ColourScale, plot: &mut Raster) {
@@ -109,10 +164,6 @@ impl FieldPicture {
         {
             let corners = square(frame.to_plot(*centre), side * frame.scale[0] + OVERLAP);
             plot.fill(&corners, scale.colour(*value));
-        }
-        for line in &self.lines {
-            let line: Vec<[f64; 2]> = line.iter().map(|&x| frame.to_plot(x)).collect();
-            plot.stroke(&line, LINE_WIDTH, INK);
         }
     }
 
@@ -200,7 +251,7 @@ impl ColourBar {
         format!("{number} {}", self.unit.name).trim_end().to_owned()
     }
 
-    fn draw(&self, page: &Page, frame: &Frame, quantity: &str) -> Result<(), PictureError> {
+    fn draw(&self, page: &mut Page, frame: &Frame, quantity: &str) {
         let [_, top, right, bottom] = frame.plot;
         let left = right + 2 * GAP;
         let height = f64::from(bottom - top);
@@ -208,9 +259,11 @@ impl ColourBar {
         for y in top..bottom {
             let share = (f64::from(bottom - y) - 0.5) / height;
             let colour = self.scale.colour(self.scale.min + share * range);
-            page.fill_box([left, y, left + BAR_WIDTH, y + 1], colour)?;
+            // Overlapping, so that no seam shows at another size.
+            let end = (y + 2).min(bottom);
+            page.fill_box([left, y, left + BAR_WIDTH, end], colour);
         }
-        page.draw_box([left - 1, top - 1, left + BAR_WIDTH, bottom], INK)?;
+        page.draw_box([left - 1, top - 1, left + BAR_WIDTH, bottom], INK);
         for (value, label) in self.ticks(bottom - top) {
             let share = if self.scale.is_constant() {
                 0.5
@@ -218,11 +271,12 @@ impl ColourBar {
                 (value - self.scale.min) / range
             };
             let y = bottom - (share * height).round() as i32;
-            page.draw_line([left + BAR_WIDTH, y], [left + BAR_WIDTH + GAP / 2, y])?;
-            page.draw_text(&label, [left + BAR_WIDTH + GAP, y], Anchor::Left)?;
+            let end = left + BAR_WIDTH;
+            page.fill_box([end, y - 1, end + GAP / 2, y + 2], INK);
+            page.draw_text(&label, [end + GAP, y], Anchor::Left);
         }
         let head = [frame.page[0] - GAP, top - GAP - TEXT_SIZE / 2];
-        page.draw_symbol(&self.unit.label(quantity), head, Anchor::Right)
+        page.draw_symbol(&self.unit.label(quantity), head, Anchor::Right);
     }
 }
 

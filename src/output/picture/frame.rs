@@ -1,36 +1,30 @@
 //! The frame around a picture's content: where the body lies on the page, its axes, texts.
 
-use super::PictureError;
 use super::raster::{Raster, paint};
 use super::text::Writing;
 use super::ticks::{Ticks, Unit};
-use crate::output::colour::{INK, Rgb, WHITE};
-use plotters::coord::Shift;
-use plotters::drawing::DrawingAreaErrorKind;
-use plotters::prelude::{
-    BitMapBackend, DrawingArea, DrawingBackend, IntoDrawingArea, PathElement, RGBColor, Rectangle,
-};
-use plotters::style::Color;
+use crate::output::colour::Rgb;
 
-/// Largest width of a picture [pixels].
-const WIDTH: i32 = 1600;
+/// Largest width of a picture [pixels]: on a paper's column of 85 mm some 360 to the inch.
+pub(super) const WIDTH: i32 = 1200;
 /// Smallest width of the plot of a slim body [pixels].
-const LEAST_PLOT_WIDTH: i32 = 600;
+const LEAST_PLOT_WIDTH: i32 = 560;
 /// The plot's height lies between these [pixels]: a slender body still gets a readable axis, a
 /// slim one fits the screen.
-const PLOT_HEIGHT: [f64; 2] = [180.0, 1200.0];
+const PLOT_HEIGHT: [f64; 2] = [180.0, 960.0];
 /// Room for the numbers and the title of the y axis, about [pixels].
 const USUAL_LEFT_ROOM: i32 = 110;
 /// Room between the body and the axes, in shares of the body's larger side.
 const MARGIN: f64 = 0.015;
 /// Distance between texts [pixels].
 pub(super) const GAP: i32 = 14;
-const TICK: i32 = 8;
+pub(super) const TICK: i32 = 8;
 /// Numbers along an axis or a colour bar.
 pub(super) const MOST_TICKS: i32 = 12;
 
-pub(super) const TITLE_SIZE: i32 = 34;
-pub(super) const TEXT_SIZE: i32 = 26;
+pub(super) const TITLE_SIZE: i32 = 36;
+/// Six points on a column of 85 mm.
+pub(super) const TEXT_SIZE: i32 = 30;
 
 /// The smallest box around a picture's content [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +62,7 @@ pub(super) struct Quantity {
 }
 
 impl Quantity {
-    fn label(&self) -> String {
+    pub fn label(&self) -> String {
         self.unit.label(&self.name)
     }
 }
@@ -191,18 +185,34 @@ impl Frame {
     }
 
     /// The pixels of the plot's inside.
-    pub fn paint(&self, draw: impl Fn(&mut Raster) + Sync) -> Vec<Rgb> {
-        paint(
-            [self.plot_width(), self.plot_height()].map(|p| p as usize),
-            draw,
-        )
+    pub fn paint(&self, zoom: f64, draw: impl Fn(&mut Raster) + Sync) -> Vec<Rgb> {
+        let size = [self.plot_width(), self.plot_height()];
+        paint(size.map(|p| p as usize), zoom, draw)
+    }
+
+    /// With `zoom` pixels for one.
+    pub fn zoomed(&self, zoom: f64) -> Frame {
+        let few = |pixels: i32| (f64::from(pixels) * zoom).ceil() as i32;
+        let [left, top, ..] = self.plot.map(few);
+        let plot = [
+            left,
+            top,
+            left + few(self.plot_width()),
+            top + few(self.plot_height()),
+        ];
+        Frame {
+            page: self.page.map(few),
+            plot,
+            scale: self.scale.map(|scale| zoom * scale),
+            ..self.clone()
+        }
     }
 
     /// Ticks along x (0) or y (1), in the axis's unit.
     pub fn ticks(&self, axis: usize) -> Ticks {
         let (pixels, apart) = match axis {
-            0 => (self.plot_width(), 140),
-            _ => (self.plot_height(), 60),
+            0 => (self.plot_width(), 130),
+            _ => (self.plot_height(), 66),
         };
         let [min, max] = [0.0, f64::from(pixels)]
             .map(|p| (self.origin[axis] + p / self.scale[axis]) * self.axes[axis].unit.per_si);
@@ -211,146 +221,8 @@ impl Frame {
 }
 
 /// Room below a plot for the labels and the title of its x axis [pixels].
-fn axis_height() -> i32 {
+pub(super) fn axis_height() -> i32 {
     TICK + GAP / 2 + TEXT_SIZE + GAP / 2 + TEXT_SIZE + GAP
-}
-
-/// What plotters may report.
-pub type PageError = DrawingAreaErrorKind<<BitMapBackend<'static> as DrawingBackend>::ErrorType>;
-
-/// The page with the plot's inside on it, for texts and lines.
-pub(super) struct Page<'a> {
-    area: DrawingArea<BitMapBackend<'a>, Shift>,
-}
-
-impl<'a> Page<'a> {
-    /// `rgb`: room for the page's pixels, row by row.
-    pub fn new(frame: &Frame, plot: &[Rgb], rgb: &'a mut [u8]) -> Page<'a> {
-        rgb.fill(WHITE[0]);
-        let [page_width, left, top] =
-            [frame.page[0], frame.plot[0], frame.plot[1]].map(|p| p as usize);
-        for (row, pixels) in plot.chunks_exact(frame.plot_width() as usize).enumerate() {
-            let start = 3 * ((top + row) * page_width + left);
-            rgb[start..start + 3 * pixels.len()].copy_from_slice(pixels.as_flattened());
-        }
-        let size = (frame.page[0] as u32, frame.page[1] as u32);
-        Page {
-            area: BitMapBackend::with_buffer(rgb, size).into_drawing_area(),
-        }
-    }
-
-    /// The plot's box with ticks, their labels and the axes' titles.
-    pub fn draw_axes(&self, frame: &Frame) -> Result<(), PictureError> {
-        let [left, top, right, bottom] = frame.plot;
-        self.draw_box([left - 1, top - 1, right, bottom], INK)?;
-        let [x_per_si, y_per_si] = frame.axes.each_ref().map(|axis| axis.unit.per_si);
-        let ticks = frame.ticks(0);
-        for value in ticks.values() {
-            let x = frame.to_page([value / x_per_si, 0.0])[0].round() as i32;
-            self.draw_line([x, bottom], [x, bottom + TICK])?;
-            let below = [x, bottom + TICK + GAP / 2 + TEXT_SIZE / 2];
-            self.draw_text(&ticks.label(value), below, Anchor::Middle)?;
-        }
-        let ticks = frame.ticks(1);
-        for value in ticks.values() {
-            let y = frame.to_page([0.0, value / y_per_si])[1].round() as i32;
-            self.draw_line([left - TICK, y], [left, y])?;
-            let beside = [left - TICK - GAP / 2, y];
-            self.draw_text(&ticks.label(value), beside, Anchor::Right)?;
-        }
-        let below = bottom + axis_height() - GAP - TEXT_SIZE / 2;
-        self.draw_text(
-            &frame.axes[0].label(),
-            [(left + right) / 2, below],
-            Anchor::Middle,
-        )?;
-        let title = Writing::plain(&frame.axes[1].label(), TEXT_SIZE);
-        let beside = [GAP + TEXT_SIZE / 2, (top + bottom) / 2];
-        self.draw_writing(&title, beside, Anchor::Middle, true)
-    }
-
-    /// The picture's title at the top left.
-    pub fn draw_title(&self, frame: &Frame, title: &str) -> Result<(), PictureError> {
-        let at = [frame.plot[0], GAP + TITLE_SIZE / 2];
-        self.draw_writing(&Writing::plain(title, TITLE_SIZE), at, Anchor::Left, false)
-    }
-
-    /// `at`: the text's left end, middle or right end, at half its height.
-    pub fn draw_text(&self, text: &str, at: [i32; 2], anchor: Anchor) -> Result<(), PictureError> {
-        self.draw_writing(&Writing::plain(text, TEXT_SIZE), at, anchor, false)
-    }
-
-    /// Text in which `_` begins a subscript.
-    pub fn draw_symbol(
-        &self,
-        text: &str,
-        at: [i32; 2],
-        anchor: Anchor,
-    ) -> Result<(), PictureError> {
-        self.draw_writing(&Writing::symbol(text, TEXT_SIZE), at, anchor, false)
-    }
-
-    /// An upright writing runs upwards.
-    fn draw_writing(
-        &self,
-        writing: &Writing,
-        at: [i32; 2],
-        anchor: Anchor,
-        upright: bool,
-    ) -> Result<(), PictureError> {
-        let along = match anchor {
-            Anchor::Left => 0.0,
-            Anchor::Middle => writing.width / 2.0,
-            Anchor::Right => writing.width,
-        }
-        .round() as i32;
-        let foot = (writing.capital / 2.0).round() as i32;
-        let mut outcome = Ok(());
-        writing.each_pixel(|x, y, coverage| {
-            let (x, y) = (x - along, y + foot);
-            let turned = if upright { [y, -x] } else { [x, y] };
-            let colour = rgb(INK).mix(f64::from(coverage));
-            let drawn = self
-                .area
-                .draw_pixel((at[0] + turned[0], at[1] + turned[1]), &colour);
-            if let (Ok(()), Err(source)) = (&outcome, drawn) {
-                outcome = Err(PictureError::Drawing { source });
-            }
-        });
-        outcome
-    }
-
-    pub fn draw_line(&self, from: [i32; 2], to: [i32; 2]) -> Result<(), PictureError> {
-        let path = PathElement::new(vec![from.into(), to.into()], rgb(INK).stroke_width(2));
-        self.area
-            .draw(&path)
-            .map_err(|source| PictureError::Drawing { source })
-    }
-
-    /// The outline of a box: left, top, right, bottom, all included.
-    pub fn draw_box(&self, [l, t, r, b]: [i32; 4], colour: Rgb) -> Result<(), PictureError> {
-        self.area
-            .draw(&Rectangle::new([(l, t), (r, b)], rgb(colour)))
-            .map_err(|source| PictureError::Drawing { source })
-    }
-
-    /// A filled box: left, top, right, bottom, the last two not included.
-    pub fn fill_box(&self, [l, t, r, b]: [i32; 4], colour: Rgb) -> Result<(), PictureError> {
-        self.area
-            .draw(&Rectangle::new([(l, t), (r, b)], rgb(colour).filled()))
-            .map_err(|source| PictureError::Drawing { source })
-    }
-
-    /// Completes the picture.
-    pub fn finish(self) -> Result<(), PictureError> {
-        self.area
-            .present()
-            .map_err(|source| PictureError::Drawing { source })
-    }
-}
-
-fn rgb([r, g, b]: Rgb) -> RGBColor {
-    RGBColor(r, g, b)
 }
 
 /// Width of a text of [`TEXT_SIZE`] [pixels].
@@ -373,12 +245,4 @@ pub(super) fn shortened(text: &str, width: i32, measure: impl Fn(&str) -> i32) -
 /// Width of a picture's title [pixels].
 pub(super) fn title_width(title: &str) -> i32 {
     Writing::plain(title, TITLE_SIZE).width.ceil() as i32
-}
-
-/// Which end of a text its position means.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Anchor {
-    Left,
-    Middle,
-    Right,
 }

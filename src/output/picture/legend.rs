@@ -1,12 +1,12 @@
 //! The legend below a picture of a mesh.
 
-use super::PictureError;
-use super::frame::{Anchor, Frame, GAP, Page, text_width};
+use super::frame::{Frame, GAP, text_width};
 use super::mesh::LIGHT_TINT;
+use super::page::{Anchor, Page};
 use crate::output::colour::{CELL_EDGE, Rgb, tint};
 
 /// Side of a box in the legend [pixels].
-const KEY_SIZE: i32 = 26;
+const KEY_SIZE: i32 = 28;
 
 /// The sign before a legend's text.
 #[derive(Clone, Copy, Debug)]
@@ -51,41 +51,39 @@ pub(super) fn in_rows(keys: Vec<Key>, width: i32) -> Vec<Vec<Key>> {
 }
 
 /// Draws the rows at the bottom of the page.
-pub(super) fn draw(page: &Page, frame: &Frame, rows: &[Vec<Key>]) -> Result<(), PictureError> {
+pub(super) fn draw(page: &mut Page, frame: &Frame, rows: &[Vec<Key>]) {
     let mut top = frame.page[1] - GAP - rows.len() as i32 * ROW;
     for row in rows {
         let mut left = frame.plot[0];
         for key in row {
-            draw_sign(page, key.sign, [left, top])?;
+            draw_sign(page, key.sign, [left, top]);
             let text = [left + KEY_SIZE + GAP, top + KEY_SIZE / 2];
-            page.draw_text(&key.text, text, Anchor::Left)?;
+            page.draw_text(&key.text, text, Anchor::Left);
             left += key.width();
         }
         top += ROW;
     }
-    Ok(())
 }
 
 /// Draws a sign with its top left corner at `at`.
-fn draw_sign(page: &Page, sign: Sign, [x, y]: [i32; 2]) -> Result<(), PictureError> {
+fn draw_sign(page: &mut Page, sign: Sign, [x, y]: [i32; 2]) {
     let whole = [x, y, x + KEY_SIZE, y + KEY_SIZE];
     match sign {
         Sign::Cells(colour) => {
-            page.fill_box(whole, colour)?;
-            page.draw_box([x, y, x + KEY_SIZE - 1, y + KEY_SIZE - 1], CELL_EDGE)
+            page.fill_box(whole, colour);
+            page.draw_box([x, y, x + KEY_SIZE - 1, y + KEY_SIZE - 1], CELL_EDGE);
         }
         Sign::Points(colour) => {
-            page.fill_box(whole, tint(colour, LIGHT_TINT))?;
+            page.fill_box(whole, tint(colour, LIGHT_TINT));
             let half = KEY_SIZE / 2;
             for corner in [[x, y], [x + half, y], [x, y + half], [x + half, y + half]] {
                 let [l, t] = corner.map(|c| c + half / 4);
-                page.fill_box([l, t, l + half / 2 + 1, t + half / 2 + 1], colour)?;
+                page.fill_box([l, t, l + half / 2 + 1, t + half / 2 + 1], colour);
             }
-            Ok(())
         }
         Sign::Line(colour, width) => {
             let top = y + (KEY_SIZE - width as i32) / 2;
-            page.fill_box([x, top, x + KEY_SIZE, top + width as i32], colour)
+            page.fill_box([x, top, x + KEY_SIZE, top + width as i32], colour);
         }
     }
 }

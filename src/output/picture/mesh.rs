@@ -3,9 +3,11 @@
 
 use super::frame::{Bounds, Frame, GAP, Room, TITLE_SIZE, title_width};
 use super::legend::{self, Key, Sign, in_rows};
+use super::page::Page;
 use super::raster::Raster;
+use super::shape::Shape;
 use super::ticks::grouped;
-use super::{Picture, PictureError, check_finite, square};
+use super::{Composition, Picture, PictureError, check_finite, square};
 use crate::output::colour::{CELL_EDGE, INK, INTERFACE, Rgb, cell_fill, point_fill, tint};
 
 /// What a region consists of.
@@ -68,6 +70,12 @@ const SMALLEST_DOT_SPACING: f64 = 3.0;
 
 impl MeshPicture {
     pub fn draw(&self) -> Result<Picture, PictureError> {
+        Ok(self.clone().compose()?.picture())
+    }
+
+    /// # Errors
+    /// See [`PictureError`].
+    pub fn compose(self) -> Result<Composition, PictureError> {
         self.check()?;
         let bounds = Bounds::of(self.positions()).ok_or(PictureError::Empty)?;
         let keys = self.keys();
@@ -83,16 +91,31 @@ impl MeshPicture {
         frame.extend_below(rows.len() as i32 * legend::ROW);
         let sides = self.sides(&frame);
         let width = edge_width(&sides);
-        let plot = frame.paint(|plot| {
-            self.draw_cells(&sides, width, plot);
-            self.draw_points(&frame, plot);
-            let interfaces = &self.interfaces;
-            stroke_all(interfaces, INTERFACE_WIDTH, INTERFACE, &frame, plot);
-            stroke_all(&self.cracks, CRACK_WIDTH, INK, &frame, plot);
-        });
-        Picture::compose(frame.clone(), &plot, |page| {
-            page.draw_title(&frame, &self.title)?;
-            legend::draw(page, &frame, &rows)
+        let mut shapes = Vec::new();
+        shapes.extend(sides.iter().map(|side| Shape::Stroke {
+            path: side.clone(),
+            width,
+            colour: CELL_EDGE,
+        }));
+        shapes.extend(stroked(
+            &self.interfaces,
+            INTERFACE_WIDTH,
+            INTERFACE,
+            &frame,
+        ));
+        shapes.extend(stroked(&self.cracks, CRACK_WIDTH, INK, &frame));
+        let mut page = Page::with_axes(&frame);
+        page.draw_title(&frame, &self.title);
+        legend::draw(&mut page, &frame, &rows);
+        let placed = frame.clone();
+        Ok(Composition {
+            frame,
+            content: Some(Box::new(move |plot| {
+                self.fill_cells(&sides, plot);
+                self.draw_points(&placed, plot);
+            })),
+            shapes,
+            page,
         })
     }
 }
@@ -147,13 +170,10 @@ impl MeshPicture {
         self.cells.iter().map(side).collect()
     }
 
-    fn draw_cells(&self, sides: &[Vec<[f64; 2]>], width: f64, plot: &mut Raster) {
+    fn fill_cells(&self, sides: &[Vec<[f64; 2]>], plot: &mut Raster) {
         let colours = self.colours();
         for (cell, side) in self.cells.iter().zip(sides) {
             plot.fill(&side[..cell.outline.len()], colours[cell.region]);
-        }
-        for side in sides {
-            plot.stroke(side, width, CELL_EDGE);
         }
     }
 
@@ -195,11 +215,17 @@ fn edge_width(cells: &[Vec<[f64; 2]>]) -> f64 {
     (median / 12.0).clamp(THIN, 1.0)
 }
 
-fn stroke_all(paths: &[Vec<[f64; 2]>], width: f64, colour: Rgb, frame: &Frame, plot: &mut Raster) {
-    for path in paths {
-        let path: Vec<[f64; 2]> = path.iter().map(|&x| frame.to_plot(x)).collect();
-        plot.stroke(&path, width, colour);
-    }
+fn stroked(
+    paths: &[Vec<[f64; 2]>],
+    width: f64,
+    colour: Rgb,
+    frame: &Frame,
+) -> impl Iterator<Item = Shape> {
+    paths.iter().map(move |path| Shape::Stroke {
+        path: path.iter().map(|&x| frame.to_plot(x)).collect(),
+        width,
+        colour,
+    })
 }
 
 impl MeshPicture {
@@ -298,7 +324,8 @@ mod tests {
     fn the_legend_shows_every_sign_and_some_text() {
         let drawn = picture().draw().expect("a mesh");
         let [width, height] = drawn.size();
-        let legend = (height - (GAP + legend::ROW) as u32)..height;
+        // Four keys in two rows.
+        let legend = (height - (GAP + 2 * legend::ROW) as u32)..height;
         let pixels: Vec<Rgb> = legend
             .flat_map(|row| (0..width).map(move |column| [column, row]))
             .map(|[column, row]| drawn.pixel(column, row))

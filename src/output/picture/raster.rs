@@ -25,13 +25,19 @@ const DISC_CORNERS: usize = 32;
 /// Rows of pixels that are painted at a time.
 const BAND: usize = 48;
 
-/// The pixels of what `draw` draws on white, row by row; `size` in pixels.
-pub(super) fn paint([width, height]: [usize; 2], draw: impl Fn(&mut Raster) + Sync) -> Vec<Rgb> {
+/// The pixels of what `draw` draws on white, row by row; `size` in pixels, of which there are `zoom` to
+/// one of the positions and widths that are drawn.
+pub(super) fn paint(
+    [width, height]: [usize; 2],
+    zoom: f64,
+    draw: impl Fn(&mut Raster) + Sync,
+) -> Vec<Rgb> {
     let mut pixels = vec![WHITE; width * height];
     let bands = pixels.par_chunks_mut((BAND * width).max(1)).enumerate();
     bands.for_each(|(band, pixels)| {
         let first = BAND * band;
         let mut raster = Raster::new(width, first..(first + BAND).min(height));
+        raster.per_pixel *= zoom;
         draw(&mut raster);
         raster.average(pixels);
     });
@@ -45,6 +51,8 @@ pub(super) struct Raster {
     width: usize,
     /// [samples]
     rows: Range<usize>,
+    /// Samples in the unit of positions.
+    per_pixel: f64,
     samples: Vec<Rgb>,
 }
 
@@ -56,13 +64,14 @@ impl Raster {
             width,
             samples: vec![WHITE; width * rows.len()],
             rows,
+            per_pixel: SAMPLES as f64,
         }
     }
 
     /// Whether a shape between these heights [pixels], or one that is shifted by a pixel, leaves no trace.
     fn misses(&self, heights: impl Iterator<Item = f64> + Clone) -> bool {
-        let sample = SAMPLES as f64;
-        let [above, below] = [self.rows.start, self.rows.end].map(|row| row as f64 / sample);
+        let [above, below] =
+            [self.rows.start, self.rows.end].map(|row| row as f64 / self.per_pixel);
         heights.clone().all(|y| y < above - 1.0) || heights.clone().all(|y| y > below + 1.0)
     }
 
@@ -71,7 +80,7 @@ impl Raster {
         if self.misses(corners.iter().map(|corner| corner[1])) {
             return;
         }
-        let corners: Vec<[f64; 2]> = corners.iter().copied().map(to_grid).collect();
+        let corners: Vec<[f64; 2]> = corners.iter().map(|&at| self.to_grid(at)).collect();
         self.scan(&corners, |_, _| colour);
     }
 
@@ -85,7 +94,7 @@ impl Raster {
         if self.misses(corners.iter().map(|corner| corner[1])) {
             return;
         }
-        let [a, b, c] = corners.map(to_grid);
+        let [a, b, c] = corners.map(|at| self.to_grid(at));
         let (ab, ac) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
         let doubled_area = ab[0] * ac[1] - ab[1] * ac[0];
         if doubled_area == 0.0 {
@@ -168,6 +177,11 @@ impl Raster {
         self.fill(&rim.collect::<Vec<_>>(), colour);
     }
 
+    /// To samples, rounded to the grid.
+    fn to_grid(&self, position: [f64; 2]) -> [f64; 2] {
+        position.map(|x| (x * self.per_pixel / GRID).round() * GRID)
+    }
+
     /// Colours every sample whose centre lies in the polygon with corners on the grid; `colour`
     /// gets that centre. All in samples.
     fn scan(&mut self, corners: &[[f64; 2]], colour: impl Fn(f64, f64) -> Rgb) {
@@ -232,11 +246,6 @@ fn on_pixels([mut a, mut b]: [[f64; 2]; 2], width: f64) -> [[f64; 2]; 2] {
     [a, b]
 }
 
-/// Pixels to samples, rounded to the grid.
-fn to_grid(position: [f64; 2]) -> [f64; 2] {
-    position.map(|x| (x * SAMPLES as f64 / GRID).round() * GRID)
-}
-
 /// Index of the first sample whose centre is not before `position`, within `0..=count`.
 fn first_centre(position: f64, count: usize) -> usize {
     (position - 0.5).ceil().clamp(0.0, count as f64) as usize
@@ -289,7 +298,7 @@ mod tests {
         };
         let mut whole = Raster::new(width, 0..height);
         draw(&mut whole);
-        assert!(paint([width, height], draw) == whole.pixels());
+        assert!(paint([width, height], 1.0, draw) == whole.pixels());
     }
 
     #[test]

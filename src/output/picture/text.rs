@@ -1,7 +1,4 @@
-//! Lines of text in pixels.
-//!
-//! plotters sets letters on whole pixels and without the room that a font leaves at their left,
-//! which shows in small print; here the font's own metrics hold.
+//! Lines of text in pixels, set by the font's own metrics.
 
 use ab_glyph::{Font, FontRef, OutlinedGlyph, PxScale, ScaleFont, point};
 use std::sync::LazyLock;

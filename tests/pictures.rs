@@ -1,0 +1,273 @@
+//! Which pictures there are, and what they show: numbers and units as they stand in the SVG, the film, the
+//! steps that it goes through.
+
+mod workplace;
+
+use serde_json::Value;
+use std::collections::BTreeSet;
+use workplace::Workplace;
+
+/// The small plate with all that is drawn.
+fn plate(output: &str) -> Workplace {
+    let place = Workplace::with_plate();
+    place.edit(
+        "plate.yaml",
+        "output: { every: 7, pictures: false }",
+        output,
+    );
+    place
+}
+
+fn files(place: &Workplace, name: &str) -> BTreeSet<String> {
+    let summary = place.read(&format!("results/{name}/summary.json"));
+    let summary: Value = serde_json::from_slice(&summary).expect("JSON");
+    let files = summary["files"].as_array().expect("files").iter();
+    files
+        .map(|file| file.as_str().expect("a name").to_owned())
+        .collect()
+}
+
+fn pictures(place: &Workplace, name: &str) -> Vec<String> {
+    let is_picture = |file: &String| [".png", ".svg", ".gif"].iter().any(|e| file.ends_with(e));
+    files(place, name).into_iter().filter(is_picture).collect()
+}
+
+fn text(place: &Workplace, file: &str) -> String {
+    String::from_utf8(place.read(file)).expect("UTF-8")
+}
+
+#[test]
+fn a_fracture_run_has_the_usual_pictures_once_and_a_second_run_none() {
+    let place = plate("output: { every: 7 }");
+    place.call(&["run", "plate.yaml"]).succeeded();
+    let expected = [
+        "crack.gif",
+        "damage.png",
+        "displacement_x.png",
+        "displacement_y.png",
+        "energies.png",
+        "load_displacement.png",
+        "mesh.png",
+        "principal_stress.png",
+        "stress_xx.png",
+        "stress_xy.png",
+        "stress_yy.png",
+    ];
+    assert_eq!(pictures(&place, "plate"), expected);
+    for more in ["report.html", "view.py"] {
+        assert!(files(&place, "plate").contains(more), "{more}");
+    }
+    assert!(
+        place
+            .call(&["run", "plate.yaml"])
+            .succeeded()
+            .stages()
+            .is_empty()
+    );
+    // What is not wanted any more goes; the solve stays.
+    let fewer = "output.pictures=[von-mises, damage]";
+    let ended = place
+        .call(&["run", "plate.yaml", "--set", fewer])
+        .succeeded();
+    assert_eq!(ended.stages(), ["output"]);
+    assert_eq!(
+        pictures(&place, "plate"),
+        ["crack.gif", "damage.png", "von_mises.png"]
+    );
+    let none = ["run", "plate.yaml", "--set", "output.pictures=false"];
+    place.call(&none).succeeded();
+    assert!(pictures(&place, "plate").is_empty());
+    assert!(!files(&place, "plate").contains("report.html"));
+    let only = [
+        "output.pictures=false",
+        "output.animation=true",
+        "output.report=true",
+    ];
+    let only = only.iter().flat_map(|set| ["--set", set]);
+    let arguments: Vec<&str> = ["run", "plate.yaml"].into_iter().chain(only).collect();
+    place.call(&arguments).succeeded();
+    assert_eq!(pictures(&place, "plate"), ["crack.gif"]);
+    assert!(files(&place, "plate").contains("report.html"));
+}
+
+#[test]
+fn a_picture_that_there_is_none_of_is_told() {
+    let place = plate("output: { pictures: [mesh, stres-xx] }");
+    let ended = place.call(&["run", "plate.yaml"]);
+    assert_eq!(ended.code, Some(2));
+    for wanted in ["stres-xx", "stress-xx", "plate.yaml"] {
+        assert!(ended.err.contains(wanted), "{}", ended.err);
+    }
+    let place = plate("output: { pictures: 3 }");
+    let ended = place.call(&["run", "plate.yaml"]);
+    assert_eq!(ended.code, Some(2));
+    assert!(
+        ended.err.contains("true, false, or a list"),
+        "{}",
+        ended.err
+    );
+}
+
+/// A bar of finite elements on rollers: σ_xx is the traction everywhere, σ_yy nothing, and u_x grows to
+/// σL/E = 1.05 MPa · 1 m / 100 GPa = 10.5 µm.
+#[test]
+fn maps_tell_the_numbers_of_uniform_tension() {
+    let place = Workplace::new();
+    let pd = "  - group: band\n    model: peridynamics\n    material: solid\n    spacing: 12.5 mm\n    horizon: 4\n";
+    place.edit("bar.yaml", pd, "");
+    place.edit(
+        "bar.yaml",
+        "group: [left, right]",
+        "group: [left, band, right]",
+    );
+    place.edit(
+        "bar.yaml",
+        "- { group: clamp, displacement: { x: 0, y: 0 } }",
+        "- { group: clamp, displacement: { x: 0 } }\n  - { group: corner, displacement: { y: 0 } }",
+    );
+    let all = "output.pictures=[stress-xx, stress-yy, principal-stress, von-mises, displacement-x]";
+    let set = [
+        "run",
+        "bar.yaml",
+        "--set",
+        all,
+        "--set",
+        "output.formats=[svg, png]",
+    ];
+    place.call(&set).succeeded();
+    for (name, symbol) in [
+        (
+            "stress_xx",
+            "σ<tspan font-size=\"18.8\" dy=\"4.2\">xx</tspan><tspan dy=\"-4.2\"> [MPa]</tspan>",
+        ),
+        ("principal_stress", ">1</tspan>"),
+        ("von_mises", ">vM</tspan>"),
+    ] {
+        let svg = text(&place, &format!("results/bar/{name}.svg"));
+        assert!(
+            svg.contains(">constant 1.050 MPa,  deformation × 2000<"),
+            "{name}"
+        );
+        assert!(svg.contains(symbol), "{name}: {symbol}");
+        assert!(svg.contains("data:image/png;base64,"));
+    }
+    let displacement = text(&place, "results/bar/displacement_x.svg");
+    for wanted in [
+        ">min 0 µm,  max 10.50 µm,  deformation × 2000<",
+        "[µm]",
+        ">x [mm]<",
+    ] {
+        assert!(displacement.contains(wanted), "{wanted}");
+    }
+    // A paper's column: 85 mm for 1200 pixels.
+    let size = |svg: &str, key: &str| -> f64 {
+        let rest = svg
+            .split(&format!(" {key}=\""))
+            .nth(1)
+            .expect("an attribute");
+        let number: String = rest.chars().take_while(|c| !"m\"".contains(*c)).collect();
+        number.parse().expect("a number")
+    };
+    assert_eq!(size(&displacement, "width"), 85.0);
+    // A constant field has the middle of the map.
+    let png = place.read("results/bar/stress_xx.png");
+    let mut reader = png::Decoder::new(std::io::Cursor::new(png))
+        .read_info()
+        .expect("PNG");
+    let mut rgb = vec![0; reader.output_buffer_size().expect("it fits")];
+    let info = reader.next_frame(&mut rgb).expect("PNG");
+    assert_eq!(info.width, 1200);
+    let [x, y] = [info.width as usize / 2, info.height as usize / 2];
+    let start = 3 * (y * info.width as usize + x);
+    let expected = peristitch::output::colour::viridis(0.5);
+    let apart = (0..3).map(|k| rgb[start + k].abs_diff(expected[k])).max();
+    assert!(
+        apart <= Some(1),
+        "{:?} for {expected:?}",
+        &rgb[start..start + 3]
+    );
+}
+
+/// The film goes from the last frame before the first break to the end, in one size, and holds the end.
+#[test]
+fn the_film_shows_the_frames_from_the_first_break_on() {
+    let place = plate("output: { every: 7 }");
+    place.call(&["run", "plate.yaml"]).succeeded();
+    let summary: Value =
+        serde_json::from_slice(&place.read("results/plate/summary.json")).expect("JSON");
+    let fracture = &summary["fracture"];
+    let first = fracture["first_break"]["step"].as_u64().expect("a step");
+    let frames: Vec<u64> = fracture["frames"]
+        .as_array()
+        .expect("frames")
+        .iter()
+        .filter_map(Value::as_u64)
+        .collect();
+    let shown = 1 + frames.iter().filter(|&&step| step >= first).count();
+    assert!((10..=40).contains(&shown), "{shown}");
+    let gif = place.read("results/plate/crack.gif");
+    assert!(gif.len() < 2_000_000);
+    let mut decoder = gif::DecodeOptions::new()
+        .read_info(gif.as_slice())
+        .expect("a GIF");
+    let size = [decoder.width(), decoder.height()];
+    let mut delays = Vec::new();
+    while let Some(frame) = decoder.read_next_frame().expect("readable") {
+        assert_eq!([frame.width, frame.height], size);
+        delays.push(frame.delay);
+    }
+    assert_eq!(delays.len(), shown);
+    assert_eq!(delays.last(), Some(&250));
+    assert!(
+        delays[..shown - 1]
+            .iter()
+            .all(|delay| (8..=40).contains(delay))
+    );
+}
+
+/// Reaction and energies as vectors, with the events named.
+#[test]
+fn charts_name_the_events() {
+    let place =
+        plate("output: { every: 1000, formats: [svg], pictures: [load-displacement, energies] }");
+    place.call(&["run", "plate.yaml"]).succeeded();
+    assert_eq!(
+        pictures(&place, "plate"),
+        ["crack.gif", "energies.svg", "load_displacement.svg"]
+    );
+    let summary: Value =
+        serde_json::from_slice(&place.read("results/plate/summary.json")).expect("JSON");
+    let chart = text(&place, "results/plate/load_displacement.svg");
+    for (event, words) in [
+        ("first_break", "first bond"),
+        ("peak", "peak"),
+        ("end", "separated"),
+    ] {
+        let step = &summary["fracture"][event]["step"];
+        assert!(
+            chart.contains(&format!(">{words}, step {step}</text>")),
+            "{words}"
+        );
+    }
+    for words in ["reaction [kN]", "grip displacement ["] {
+        assert!(chart.contains(words), "{words}");
+    }
+    assert!(!chart.contains("<image"));
+    // A dot for each step that breaks bonds, and three marks with their rims.
+    let history = text(&place, "results/plate/history.csv");
+    let breaking = history
+        .lines()
+        .skip(1)
+        .filter(|line| line.split(',').nth(10) != Some("0"));
+    assert_eq!(chart.matches("<circle").count(), breaking.count() + 6);
+    let energies = text(&place, "results/plate/energies.svg");
+    for words in [
+        "elastic energy",
+        "dissipated energy",
+        "work of the loads",
+        ">load factor<",
+        "J]",
+    ] {
+        assert!(energies.contains(words), "{words}");
+    }
+}

@@ -297,6 +297,10 @@ impl<'a> Solver<'a> {
         let Model {
             springs, positions, ..
         } = self.model;
+        if !self.model.node_axes.is_empty() {
+            // Columns are assembled anew in the axes of space.
+            return Ok(false);
+        }
         let Factorised { system, factor, .. } = factorised;
         let of_spring = |&spring: &u32| springs.nodes(spring as usize);
         let mut changed: BTreeSet<u32> = gone.iter().flat_map(of_spring).copied().collect();

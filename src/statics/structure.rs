@@ -12,6 +12,7 @@ use crate::linear_solver::two_level::TwoLevel;
 use crate::linear_solver::{Factor, Method, SolverError, cholesky, expected_factor_entries, lu};
 use crate::model::Model;
 use crate::phases::Phases;
+use crate::springs::Springs;
 
 pub(super) enum Structure {
     Symmetric {

@@ -27,7 +27,6 @@ const COLD: [&str; 8] = [
     "ordering",
     "symbolic",
     "assembly",
-    "supports",
     "factorisation",
     "solution",
 ];

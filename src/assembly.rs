@@ -110,10 +110,13 @@ const PARTS: usize = 8;
 
 /// Parts of `count` columns.
 fn column_parts(count: usize) -> impl IndexedParallelIterator<Item = Range<usize>> {
-    let bound = move |part: usize| part * count / PARTS;
     (0..PARTS)
         .into_par_iter()
-        .map(move |part| bound(part)..bound(part + 1))
+        .map(move |part| part_bound(part, count)..part_bound(part + 1, count))
+}
+
+fn part_bound(part: usize, count: usize) -> usize {
+    part * count / PARTS
 }
 
 /// Mean of the diagonal: the scale of a stiffness matrix.
@@ -341,13 +344,85 @@ impl Pattern {
         LowerMatrix::new(self.symbolic.clone(), values)
     }
 
+    /// Brings the columns of some nodes up to the springs that are intact: the same bits as
+    /// [`Pattern::assemble_intact`], if no other spring has changed than those that end at these nodes alone.
+    pub fn reassemble(
+        &self,
+        matrix: &mut LowerMatrix,
+        nodes: &[u32],
+        positions: &[[f64; 2]],
+        springs: &Springs,
+        is_intact: impl Fn(usize) -> bool + Sync,
+        elements: &[ElementStiffness],
+    ) {
+        let (symbolic, values) = matrix.parts_mut();
+        for &node in nodes {
+            let node = node as usize;
+            let columns = symbolic.col_range(2 * node).start..symbolic.col_range(2 * node + 1).end;
+            let own = &mut values[columns];
+            own.fill(0.0);
+            let mut column = Column::new(node as u32, self.upper_neighbours(node), own);
+            let part = (0..PARTS).rfind(|&part| part_bound(part, self.nodes()) <= node);
+            let part = part.expect("the first part begins at the first node");
+            let mut diagonal = [0.0; 3];
+            let from_part = |part: usize, sum: &mut [f64; 3]| {
+                let lower = self.graph.of(node).iter().map(|&other| other as usize);
+                let bounds = part_bound(part, self.nodes())..part_bound(part + 1, self.nodes());
+                for other in lower.filter(|other| *other < node && bounds.contains(other)) {
+                    for &s in self.pairs_at.of(other) {
+                        let pair = springs.pairs()[s as usize];
+                        if is_intact(s as usize) && pair.contains(&(node as u32)) {
+                            let block = pair_block(pair, springs.stiffness[s as usize], positions);
+                            add_to(sum, block);
+                        }
+                    }
+                }
+            };
+            from_part(part, &mut diagonal);
+            let all = (springs, positions, elements);
+            self.gather(&mut column, all, &is_intact, |_, block| {
+                add_to(&mut diagonal, block);
+            });
+            column.add_diagonal(diagonal);
+            for earlier in 0..part {
+                let mut sum = [0.0; 3];
+                from_part(earlier, &mut sum);
+                column.add_diagonal(sum);
+            }
+        }
+    }
+
+    /// What is gathered at one node; `diagonal` gets what each spring between two nodes adds to those of
+    /// both, with the higher one.
+    fn gather(
+        &self,
+        column: &mut Column,
+        (springs, positions, elements): (&Springs, &[[f64; 2]], &[ElementStiffness]),
+        is_intact: &impl Fn(usize) -> bool,
+        mut diagonal: impl FnMut(u32, [f64; 3]),
+    ) {
+        let node = column.node as usize;
+        let intact = |list: &&u32| is_intact(**list as usize);
+        for &s in self.pairs_at.of(node).iter().filter(intact) {
+            let pair = springs.pairs()[s as usize];
+            let (other, block) = column.add_pair(pair, springs.stiffness[s as usize], positions);
+            diagonal(other, block);
+        }
+        for &s in self.others_at.of(node).iter().filter(intact) {
+            column.add_spring(springs, s as usize, positions);
+        }
+        for &e in self.elements_at.of(node) {
+            column.add_element(&elements[e as usize]);
+        }
+    }
+
     /// The columns of some nodes, springs between two nodes being read once, at the lower one. Returns
     /// what they add to the diagonals of the nodes behind: xx, xy, yy.
     fn assemble_part(
         &self,
         nodes: Range<usize>,
         mut values: &mut [f64],
-        (springs, positions, elements): (&Springs, &[[f64; 2]], &[ElementStiffness]),
+        all: (&Springs, &[[f64; 2]], &[ElementStiffness]),
         is_intact: &(impl Fn(usize) -> bool + Sync),
     ) -> Vec<[f64; 3]> {
         let first = nodes.start;
@@ -362,22 +437,11 @@ impl Pattern {
             let (own, behind) = values.split_at_mut(3 + 4 * neighbours.len());
             values = behind;
             let mut column = Column::new(node as u32, neighbours, own);
-            let intact = |list: &&u32| is_intact(**list as usize);
-            for &s in self.pairs_at.of(node).iter().filter(intact) {
-                let pair = springs.pairs()[s as usize];
-                let (other, block) =
-                    column.add_pair(pair, springs.stiffness[s as usize], positions);
+            self.gather(&mut column, all, is_intact, |other, block| {
                 for end in [node, other as usize] {
-                    let sums = diagonals[end - first].iter_mut().zip(block);
-                    sums.for_each(|(sum, share)| *sum += share);
+                    add_to(&mut diagonals[end - first], block);
                 }
-            }
-            for &s in self.others_at.of(node).iter().filter(intact) {
-                column.add_spring(springs, s as usize, positions);
-            }
-            for &e in self.elements_at.of(node) {
-                column.add_element(&elements[e as usize]);
-            }
+            });
             // All lower nodes of this part have been here.
             column.add_diagonal(diagonals[node - first]);
         }
@@ -446,6 +510,20 @@ fn lower_pattern(graph: &Lists) -> SymbolicSparseColMat<u32> {
     SymbolicSparseColMat::new_checked(2 * n, 2 * n, start, None, rows)
 }
 
+/// xx, xy and yy of k n⊗n.
+fn pair_block([a, b]: [u32; 2], stiffness: f64, positions: &[[f64; 2]]) -> [f64; 3] {
+    let [p, q] = [a, b].map(|node| positions[node as usize]);
+    let [x, y] = [q[0] - p[0], q[1] - p[1]];
+    let k = stiffness / (x * x + y * y);
+    [k * x * x, k * x * y, k * y * y]
+}
+
+fn add_to(sum: &mut [f64; 3], block: [f64; 3]) {
+    sum.iter_mut()
+        .zip(block)
+        .for_each(|(sum, share)| *sum += share);
+}
+
 /// The two columns of one node while they are gathered.
 struct Column<'a> {
     node: u32,
@@ -502,10 +580,7 @@ impl<'a> Column<'a> {
         positions: &[[f64; 2]],
     ) -> (u32, [f64; 3]) {
         let other = a.max(b);
-        let [p, q] = [a, b].map(|node| positions[node as usize]);
-        let [x, y] = [q[0] - p[0], q[1] - p[1]];
-        let k = stiffness / (x * x + y * y);
-        let block @ [xx, xy, yy] = [k * x * x, k * x * y, k * y * y];
+        let block @ [xx, xy, yy] = pair_block([a, b], stiffness, positions);
         let second = 2 + 2 * self.neighbours.len();
         let place = self.place(other);
         let (first, second) = self.values.split_at_mut(second);

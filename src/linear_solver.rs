@@ -5,6 +5,7 @@
 pub mod cholesky;
 pub mod compliance;
 mod elimination_tree;
+pub mod held;
 mod kernels;
 pub mod lu;
 mod metis;
@@ -17,6 +18,8 @@ mod triangular;
 pub mod two_level;
 
 use crate::assembly::Lists;
+use crate::assembly::stiffness::Stiffness;
+use held::Held;
 use thiserror::Error;
 
 #[derive(Debug, Error)]
@@ -92,6 +95,28 @@ impl Factor {
             Factor::TwoLevel(solver) => {
                 solver.solve_in_place(rhs, goal);
             }
+        }
+    }
+
+    /// The factors of a K that differs between some nodes only: the same bits as of a whole factorisation.
+    /// False where there is no such way.
+    ///
+    /// # Errors
+    /// [`SolverError::NotPositiveDefinite`]: these are no factors until they have followed another change.
+    pub fn refactorise(
+        &mut self,
+        stiffness: &Stiffness,
+        held: Held,
+        nodes: &[u32],
+    ) -> Result<bool, SolverError> {
+        match (self, stiffness) {
+            (Factor::Cholesky(factor), Stiffness::Symmetric(lower)) => {
+                factor.refactorise(lower, held, nodes).map(|()| true)
+            }
+            (Factor::Lu(factor), Stiffness::Full(full)) => {
+                Ok(factor.refactorise(full, held, nodes))
+            }
+            _ => Ok(false),
         }
     }
 

@@ -6,6 +6,7 @@ mod structure;
 use crate::assembly::stiffness::Stiffness;
 use crate::boundary::Boundary;
 use crate::linear_solver::compliance::UnitLoads;
+use crate::linear_solver::held::Held;
 use crate::linear_solver::{Factor, SolverError};
 use crate::model::Model;
 use crate::model::node_axes::direction;
@@ -171,6 +172,8 @@ pub struct Solver<'a> {
     model: &'a Model,
     boundary: &'a Boundary,
     structure: Structure,
+    /// What stands on the diagonal of held dofs: the same while bonds break [N/m].
+    diagonal: f64,
 }
 
 impl<'a> Solver<'a> {
@@ -201,6 +204,7 @@ impl<'a> Solver<'a> {
         let structure = Structure::new(model, method, phases)?;
         Estimate::of(&structure, boundary, 0).fits(machine_memory())?;
         Ok(Solver {
+            diagonal: structure.mean_diagonal(&model.springs, boundary.load.len()),
             model,
             boundary,
             structure,
@@ -285,6 +289,74 @@ impl<'a> Solver<'a> {
         }
     }
 
+    /// Brings a factorisation up to springs that have gone, of those that are `intact` now, and to parts
+    /// that are pinned since: the bits of [`Solver::factorise_broken`]. False where K is to be factorised as
+    /// a whole.
+    ///
+    /// # Errors
+    /// See [`StaticsError`].
+    pub fn refactorise(
+        &self,
+        factorised: &mut Factorised,
+        gone: &[u32],
+        intact: &[bool],
+        pinned: &[Vec<usize>],
+        mechanisms: &mut BTreeSet<usize>,
+        phases: &mut Phases,
+    ) -> Result<bool, StaticsError> {
+        let Model {
+            springs, positions, ..
+        } = self.model;
+        if !self.model.node_axes.is_empty() {
+            // Columns are assembled anew in the axes of space.
+            return Ok(false);
+        }
+        let Factorised { system, factor, .. } = factorised;
+        let of_spring = |&spring: &u32| springs.nodes(spring as usize);
+        let mut changed: BTreeSet<u32> = gone.iter().flat_map(of_spring).copied().collect();
+        let nodes: Vec<u32> = changed.iter().copied().collect();
+        phases.measure("assembly", || {
+            let stiffness = &mut system.stiffness;
+            (self.structure).reassemble(stiffness, &nodes, (positions, springs), intact);
+        });
+        let is_free = |node: &usize| [0, 1].iter().any(|axis| !system.is_held[2 * node + axis]);
+        let new: Vec<usize> = pinned.iter().flatten().copied().filter(is_free).collect();
+        new.iter()
+            .for_each(|&node| self.add_around(&mut changed, node));
+        system.pin(pinned);
+        let new = mechanisms.iter().filter(|&&dof| !system.is_held[dof]);
+        for dof in new.copied().collect::<Vec<_>>() {
+            system.is_held[dof] = true;
+            self.add_around(&mut changed, dof / 2);
+        }
+        loop {
+            let held = Held {
+                dofs: &system.is_held,
+                diagonal: self.diagonal,
+            };
+            let nodes: Vec<u32> = changed.iter().copied().collect();
+            let done = phases.measure("refactorisation", || {
+                factor.refactorise(&system.stiffness, held, &nodes)
+            });
+            match done {
+                Ok(is_done) => return Ok(is_done),
+                // The set grows with every turn, so that the loop ends.
+                Err(SolverError::NotPositiveDefinite { dof }) if mechanisms.insert(dof) => {
+                    system.is_held[dof] = true;
+                    changed.clear();
+                    self.add_around(&mut changed, dof / 2);
+                }
+                Err(error) => return Err(self.locate(error)),
+            }
+        }
+    }
+
+    /// Adds a node and those with which it shares stiffness.
+    fn add_around(&self, nodes: &mut BTreeSet<u32>, node: usize) {
+        nodes.insert(node as u32);
+        nodes.extend(self.structure.graph().of(node));
+    }
+
     /// Solves a case, which prescribes displacements on the same dofs. `guess`: displacements that may be
     /// near the solution [m], from which conjugate gradients start.
     ///
@@ -330,18 +402,22 @@ impl<'a> Solver<'a> {
             model,
             boundary,
             structure,
+            ..
         } = self;
         let stiffness = phases.measure("assembly", || structure.assemble(model, intact));
         System::new(stiffness, boundary, pinned, mechanisms)
     }
 
     fn factorise(&self, system: &System, phases: &mut Phases) -> Result<Factor, SolverError> {
-        let System {
-            stiffness, is_held, ..
-        } = system;
-        let positions = &self.model.positions;
-        self.structure
-            .factorise(positions, stiffness, is_held, phases)
+        let held = Held {
+            dofs: &system.is_held,
+            diagonal: self.diagonal,
+        };
+        let (positions, stiffness) = (&self.model.positions, &system.stiffness);
+        // Nothing is kept before the first change: many runs never come to it.
+        phases.measure("factorisation", || {
+            (self.structure).factorise(positions, stiffness, held, &[])
+        })
     }
 
     fn finish(
@@ -352,14 +428,18 @@ impl<'a> Solver<'a> {
         guess: Option<&[[f64; 2]]>,
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
-        let (displacement, residual) =
-            phases.measure("solution", || system.solve(case, factor, guess));
+        let goal = residual_goal(factor.method());
+        let Solved {
+            displacement,
+            force,
+            residual,
+        } = phases.measure("solution", || system.solve(case, factor, guess, goal));
         let mut size = self.size();
         if let Factor::TwoLevel(solver) = factor {
             size.factor_entries = solver.coarse_entries();
         }
         let solution = Solution {
-            reaction: system.reaction(case, &displacement),
+            reaction: case.reaction(&force),
             displacement: vectors(&displacement),
             residual,
             size,
@@ -475,6 +555,15 @@ impl Factorised {
         Some(inverse)
     }
 
+    /// Multiplications and additions that it takes to follow a change between these nodes, as
+    /// [`Solver::refactorise`] does.
+    pub fn flops_above(&self, nodes: &[u32]) -> f64 {
+        match &self.factor {
+            Factor::Cholesky(factor) => factor.flops_above(nodes),
+            Factor::Lu(_) | Factor::TwoLevel(_) => self.flops,
+        }
+    }
+
     /// Overwrites forces [N] by the displacements [m] that they add, dof by dof, case after case.
     pub fn respond(&self, forces: &mut [f64], cases: usize) {
         let clear = |forces: &mut [f64]| {
@@ -496,17 +585,6 @@ impl Factorised {
         }
         // Held dofs stand apart in the factor, so that this clears signed zeros only.
         clear(forces);
-    }
-
-    /// How K⁻¹ answers to what springs that are gone would exert under these elongations [m].
-    pub fn respond_to_loss(&self, model: &Model, gone: &[(usize, f64)]) -> Vec<f64> {
-        let mut change = vec![0.0; self.dofs()];
-        for &(spring, elongation) in gone {
-            let force = model.springs.stiffness[spring] * elongation;
-            add_spring_force(&mut change, model, spring, force);
-        }
-        self.respond(&mut change, 1);
-        change
     }
 
     /// ‖f‖₂ of a case over the free dofs, prescribed displacements in f [N].
@@ -595,6 +673,16 @@ struct Case<'a> {
     own_share: &'a BTreeMap<usize, f64>,
 }
 
+/// Dof by dof.
+struct Solved {
+    /// [m].
+    displacement: Vec<f64>,
+    /// K u [N].
+    force: Vec<f64>,
+    /// Relative.
+    residual: f64,
+}
+
 impl System {
     fn new(
         stiffness: Stiffness,
@@ -602,18 +690,23 @@ impl System {
         pinned: &[Vec<usize>],
         mechanisms: &BTreeSet<usize>,
     ) -> System {
-        let nodes = pinned.iter().flatten();
-        let pinned: Vec<usize> = nodes.flat_map(|&n| [2 * n, 2 * n + 1]).collect();
-        let mut is_held = vec![false; stiffness.dofs()];
-        let supports = boundary.prescribed.keys();
-        for &dof in supports.chain(&pinned).chain(mechanisms) {
-            is_held[dof] = true;
-        }
-        System {
+        let mut system = System {
+            is_held: vec![false; stiffness.dofs()],
             stiffness,
-            is_held,
-            pinned,
+            pinned: Vec::new(),
+        };
+        for &dof in boundary.prescribed.keys().chain(mechanisms) {
+            system.is_held[dof] = true;
         }
+        system.pin(pinned);
+        system
+    }
+
+    /// Holds the nodes of parts, which only grow.
+    fn pin(&mut self, parts: &[Vec<usize>]) {
+        let nodes = parts.iter().flatten();
+        self.pinned = nodes.flat_map(|&n| [2 * n, 2 * n + 1]).collect();
+        self.pinned.iter().for_each(|&dof| self.is_held[dof] = true);
     }
 
     fn case<'a>(&self, boundary: &'a Boundary) -> Case<'a> {
@@ -634,51 +727,58 @@ impl System {
         }
     }
 
-    /// The displacements, dof by dof [m], and the relative residual.
-    fn solve(&self, case: &Case, factor: &Factor, guess: Option<&[[f64; 2]]>) -> (Vec<f64>, f64) {
-        let mut u: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
-        let mut residual = self.residual(case, &u);
-        let scale = norm(&residual);
+    fn solve(&self, case: &Case, factor: &Factor, guess: Option<&[[f64; 2]]>, goal: f64) -> Solved {
+        let prescribed: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
+        let (mut found, mut residual) = self.at(case, prescribed);
+        let scale = found.residual;
         if scale == 0.0 {
-            return (u, 0.0);
+            return found;
         }
         if let (Some(guess), Factor::TwoLevel(_)) = (guess, factor) {
+            let mut u = found.displacement;
             let free = u.iter_mut().zip(guess.as_flattened()).zip(&self.is_held);
             let free = free.filter(|(_, held)| !**held);
             free.for_each(|((u, guess), _)| *u = *guess);
-            residual = self.residual(case, &u);
+            (found, residual) = self.at(case, u);
         }
-        let goal = residual_goal(factor.method());
-        let mut relative = norm(&residual) / scale;
+        found.residual /= scale;
         for turn in 0..=MOST_REFINEMENTS {
-            if relative < goal {
+            if found.residual < goal {
                 break;
             }
             let mut correction = residual;
             factor.solve_in_place(&mut correction, 0.5 * goal * scale);
-            let refined: Vec<f64> = u.iter().zip(&correction).map(|(u, c)| u + c).collect();
-            residual = self.residual(case, &refined);
-            let now = norm(&residual) / scale;
+            let u = found.displacement.iter().zip(&correction);
+            let (mut refined, rest) = self.at(case, u.map(|(u, c)| u + c).collect());
+            refined.residual /= scale;
+            residual = rest;
             // Also false for a residual that is not a number: the check that follows reports it.
-            let better = now < relative;
+            let better = refined.residual < found.residual;
             if better || turn == 0 {
-                (u, relative) = (refined, now);
+                found = refined;
             }
             if !better {
                 break;
             }
         }
-        (u, relative)
+        found
+    }
+
+    /// Displacements with K u and ‖f − K u‖₂ [N], and f − K u at free dofs.
+    fn at(&self, case: &Case, displacement: Vec<f64>) -> (Solved, Vec<f64>) {
+        let force = self.stiffness.multiply(&displacement);
+        let residual = case.residual(&force);
+        let solved = Solved {
+            displacement,
+            force,
+            residual: norm(&residual),
+        };
+        (solved, residual)
     }
 
     /// f − K u at free dofs, zero at prescribed ones [N].
     fn residual(&self, case: &Case, u: &[f64]) -> Vec<f64> {
         case.residual(&self.stiffness.multiply(u))
-    }
-
-    /// K u − f at prescribed dofs, by node [N].
-    fn reaction(&self, case: &Case, u: &[f64]) -> Vec<[f64; 2]> {
-        case.reaction(&self.stiffness.multiply(u))
     }
 
     /// ‖f‖₂ over the free dofs, prescribed displacements in f [N].

@@ -232,27 +232,21 @@ fn lu_looks_at_all_rows_where_a_supernode_has_no_pivot() {
     }
 }
 
-/// By the dofs' paths to the root, and by whole solutions: sums of the same products in another order.
+/// By products of L⁻¹ E, and by whole solutions: sums of the same products in another order.
 #[test]
-fn the_inverse_between_a_few_dofs_is_that_of_whole_solutions() {
+fn compliances_are_those_of_whole_solutions() {
     let (pattern, matrix) = system(&model(0.5, 60));
     let n = matrix.ncols();
     let factor = symbolic(&pattern, Ordering::Metis).factorise(&matrix);
     let factor = factor.expect("positive definite");
-    // Near each other and far apart, in no order, more than one block of right-hand sides.
-    let rows: Vec<usize> = (0..90).map(|k| (k * 611 + (k % 3) * 17) % n).collect();
-    let columns = &rows[20..70];
-    let inverse = factor.inverse_between(&rows, columns);
-    let compliance = factor.unit_loads(columns, |_| true).square();
+    // Near each other and far apart, in no order.
+    let columns: Vec<usize> = (20..70).map(|k| (k * 611 + (k % 3) * 17) % n).collect();
+    let compliance = factor.unit_loads(&columns, |_| true).square();
     for (j, &column) in columns.iter().enumerate() {
         let mut x = vec![0.0; n];
         x[column] = 1.0;
         factor.solve_in_place(&mut x);
         let largest = x.iter().fold(0.0, |a, b| f64::max(a, b.abs()));
-        for (i, &row) in rows.iter().enumerate() {
-            let off = (inverse[(i, j)] - x[row]).abs();
-            assert!(off < 1e-12 * largest, "{row} {column}: {off:e}");
-        }
         for (i, &row) in columns.iter().enumerate() {
             let off = (compliance[(i.max(j), i.min(j))] - x[row]).abs();
             assert!(off < 1e-12 * largest, "{row} {column}: {off:e}");

@@ -39,7 +39,18 @@ const PLATES: [Plate; 2] = [
 ];
 
 /// Tested in files of their own.
-const ELSEWHERE: [&str; 1] = ["compact_tension"]; // tests/snap_back.rs
+const ELSEWHERE: [&str; 9] = [
+    "compact_tension", // tests/snap_back.rs
+    // tests/gallery.rs
+    "brazilian_disc",
+    "crack_past_hole",
+    "cracked_disc",
+    "inclined_crack",
+    "l_panel",
+    "plate_with_hole",
+    "stiff_inclusion",
+    "three_point_bending",
+];
 
 /// Two phases: what pushes in the first stays.
 const PROGRAMME: &str = "shear_then_tension";

@@ -136,20 +136,51 @@ impl FullPattern {
             .enumerate()
             .with_min_len(64)
             .for_each(|(node, values)| {
-                let mut column = Column {
-                    node: node as u32,
-                    rows: self.rows.of(node),
-                    values,
-                };
-                let springs_here = self.springs_at.of(node).iter().map(|&s| s as usize);
-                for s in springs_here.filter(|&s| is_intact(s)) {
-                    column.add_spring(springs, s, positions, self.first_point);
-                }
-                for &e in self.equations_at.of(node) {
-                    column.add_equations(&equations[e as usize]);
-                }
+                self.gather(node, values, (springs, positions, equations), &is_intact);
             });
         FullMatrix::new(self.symbolic.clone(), values)
+    }
+
+    /// Brings the columns of some nodes up to the springs that are intact: the same bits as
+    /// [`FullPattern::assemble_intact`], if no other spring has changed than those that end at these nodes alone.
+    pub fn reassemble(
+        &self,
+        matrix: &mut FullMatrix,
+        nodes: &[u32],
+        positions: &[[f64; 2]],
+        springs: &Springs,
+        is_intact: impl Fn(usize) -> bool,
+        equations: &[Equations],
+    ) {
+        let (symbolic, values) = matrix.parts_mut();
+        for &node in nodes {
+            let node = node as usize;
+            let columns = symbolic.col_range(2 * node).start..symbolic.col_range(2 * node + 1).end;
+            let own = &mut values[columns];
+            own.fill(0.0);
+            self.gather(node, own, (springs, positions, equations), &is_intact);
+        }
+    }
+
+    fn gather(
+        &self,
+        node: usize,
+        values: &mut [f64],
+        (springs, positions, equations): (&Springs, &[[f64; 2]], &[Equations]),
+        is_intact: &impl Fn(usize) -> bool,
+    ) {
+        let mut column = Column {
+            node: node as u32,
+            rows: self.rows.of(node),
+            values,
+        };
+        let springs_here = self.springs_at.of(node).iter().map(|&s| s as usize);
+        for s in springs_here.filter(|&s| is_intact(s)) {
+            column.add_spring(springs, s, positions, self.first_point);
+        }
+        for &e in self.equations_at.of(node) {
+            column.add_equations(&equations[e as usize]);
+        }
     }
 
     /// The two columns of each node as one slice.

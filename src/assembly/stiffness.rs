@@ -34,6 +34,7 @@ impl Stiffness {
     pub fn hold(&self, is_held: &[bool]) -> Stiffness {
         let diagonal = self.mean_diagonal();
         let mut held = self.clone();
+        let is_held = |dof: usize| is_held[dof];
         match &mut held {
             Stiffness::Symmetric(lower) => hold(lower.parts_mut(), is_held, diagonal),
             Stiffness::Full(full) => hold(full.parts_mut(), is_held, diagonal),
@@ -71,9 +72,10 @@ impl Stiffness {
     }
 }
 
-fn hold(
+/// Clears the rows and columns of held dofs and puts a number on their diagonal.
+pub fn hold(
     (symbolic, values): (SymbolicSparseColMatRef<'_, u32>, &mut [f64]),
-    is_held: &[bool],
+    is_held: impl Fn(usize) -> bool + Sync,
     diagonal: f64,
 ) {
     let mut rest = values;
@@ -94,7 +96,7 @@ fn hold(
             let (here, after) = values.split_at_mut(rows.len());
             values = after;
             for (&row, value) in rows.iter().zip(here) {
-                if is_held[column] || is_held[row as usize] {
+                if is_held(column) || is_held(row as usize) {
                     *value = if row as usize == column {
                         diagonal
                     } else {

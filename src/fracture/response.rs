@@ -118,6 +118,16 @@ impl Response {
             &mut state.mechanisms,
             phases,
         )?;
+        Response::of(factorised, solver, problem, state, phases)
+    }
+
+    fn of(
+        factorised: Factorised,
+        solver: &Solver,
+        problem: &Problem,
+        state: &State,
+        phases: &mut Phases,
+    ) -> Result<Response, StaticsError> {
         let solved = solve(solver, problem, state, &factorised, phases)?;
         let mut response = Response {
             values: solved.values(problem),
@@ -174,8 +184,15 @@ impl Response {
             return Ok(());
         }
         // Two factors at a time are more than may fit.
-        (self.ahead, self.update) = (None, None);
-        *self = Response::new(solver, problem, state, phases)?;
+        self.ahead = None;
+        let factorised = match self.update.take() {
+            Some(update) => update.refactorise(solver, state, phases)?,
+            None => None,
+        };
+        *self = match factorised {
+            Some(factorised) => Response::of(factorised, solver, problem, state, phases)?,
+            None => Response::new(solver, problem, state, phases)?,
+        };
         Ok(())
     }
 

@@ -11,6 +11,10 @@
 //! on their way through the elimination tree (`linear_solver/path.rs`); the dense system is small; then
 //! one solution finds u' everywhere, and its true residual is checked.
 //!
+//! Where the next update would cost more than that, the factorisation itself follows the bonds that are
+//! gone (`linear_solver/multifrontal.rs`): the supernodes above them are factorised anew, with the bits of
+//! a whole factorisation.
+//!
 //! A fragment that has come off does not move, z_F = 0: the unknowns there are the forces r that hold it,
 //! with columns −G_F in place of those of z_F.
 
@@ -21,7 +25,7 @@ use super::state::State;
 use super::touched::Touched;
 use crate::boundary::Boundary;
 use crate::phases::Phases;
-use crate::statics::{Factorised, Solution};
+use crate::statics::{Factorised, Solution, Solver, StaticsError};
 
 /// The largest relative residual that is not worth a factorisation.
 const DRIFT: f64 = 1e-11;
@@ -32,7 +36,7 @@ const MOST_HINGES: usize = 16;
 /// Weights of [`Costs`], measured (docs/performance.md): a sparse factorisation runs at some fifth of the
 /// rate of a dense product, a solution at a hundredth.
 const FACTORISATION: f64 = 4.0;
-const ASSEMBLY: f64 = 200.0;
+const REFINEMENT: f64 = 200.0;
 const SOLUTION: f64 = 100.0;
 const PER_DOF: f64 = 0.6;
 const DENSE: f64 = 2.0;
@@ -66,7 +70,7 @@ impl Update {
                 held.map_or(0.0, |case| factorised.scale(&case)),
                 factorised.scale(unit),
             ],
-            costs: Costs::new(&factorised),
+            costs: Costs::new(problem, &factorised, state),
             factorised,
             base,
             phase: state.phase,
@@ -128,6 +132,28 @@ impl Update {
         Some(solutions)
     }
 
+    /// The factorisation brought up to the bonds that are gone: the supernodes above them factorised anew.
+    /// `None` where K is to be factorised as a whole.
+    ///
+    /// # Errors
+    /// What the solver reports.
+    pub fn refactorise(
+        mut self,
+        solver: &Solver,
+        state: &mut State,
+        phases: &mut Phases,
+    ) -> Result<Option<Factorised>, StaticsError> {
+        let done = solver.refactorise(
+            &mut self.factorised,
+            &state.broken[self.first..],
+            &state.intact,
+            &state.fragments,
+            &mut state.mechanisms,
+            phases,
+        )?;
+        Ok(done.then_some(self.factorised))
+    }
+
     fn solve(
         &self,
         problem: &Problem,
@@ -183,14 +209,27 @@ struct Costs {
 }
 
 impl Costs {
-    fn new(factorised: &Factorised) -> Costs {
-        let (entries, flops) = (factorised.entries as f64, factorised.flops);
+    fn new(problem: &Problem, factorised: &Factorised, state: &State) -> Costs {
+        let entries = factorised.entries as f64;
+        // The next one follows what will have broken until then: no less than what broke last. From what a
+        // checkpoint holds as well.
+        let of_bond = |&(bond, _): &(u32, f64)| problem.model.springs.nodes(bond as usize);
+        let nodes: Vec<u32> = state
+            .just_broken
+            .iter()
+            .flat_map(of_bond)
+            .copied()
+            .collect();
+        let flops = match nodes.is_empty() {
+            true => factorised.flops,
+            false => factorised.flops_above(&nodes),
+        };
         let most_dofs = match factorised.is_symmetric() {
             true => entries.sqrt(),
             false => entries / factorised.dofs() as f64,
         };
         Costs {
-            factorisation: FACTORISATION * flops + ASSEMBLY * entries,
+            factorisation: FACTORISATION * flops + REFINEMENT * entries,
             per_dof: PER_DOF * entries,
             solution: SOLUTION * entries,
             most_dofs: most_dofs as usize,

@@ -5,7 +5,8 @@
 //! ```
 
 use super::SolverError;
-use super::multifrontal::{self, Child, Front, NotPositive, Pool, parallelism};
+use super::held::{Held, HeldColumns};
+use super::multifrontal::{self, Child, Front, Kept, NotPositive, Pool, parallelism};
 use super::ordering::{Ordering, elimination_order};
 use super::supernodes::Supernodes;
 use super::triangular::{self, Factors};
@@ -80,6 +81,32 @@ impl Symbolic {
     /// # Errors
     /// [`SolverError::NotPositiveDefinite`], [`SolverError::OutOfMemory`].
     pub fn factorise(&self, matrix: &LowerMatrix) -> Result<Factor, SolverError> {
+        self.numeric(matrix, Held::NONE, &[])
+    }
+
+    /// The same of the matrix with some dofs held, to be followed by [`Factor::refactorise`]. `likely`: nodes near
+    /// which K will change.
+    ///
+    /// # Errors
+    /// As [`Symbolic::factorise`].
+    pub fn factorise_held(
+        &self,
+        matrix: &LowerMatrix,
+        held: Held,
+        likely: &[u32],
+    ) -> Result<Factor, SolverError> {
+        let factor = self.numeric(matrix, held, &self.structure.above(likely));
+        // What follows needs a little of it.
+        self.pool.clear();
+        factor
+    }
+
+    fn numeric(
+        &self,
+        matrix: &LowerMatrix,
+        held: Held,
+        parents: &[usize],
+    ) -> Result<Factor, SolverError> {
         let spare = self
             .spare
             .lock()
@@ -93,20 +120,26 @@ impl Symbolic {
                 })?
             }
         };
+        let structure = &self.structure;
         let fronts = Fronts {
-            structure: &self.structure,
+            structure,
             matrix: matrix.val(),
+            held: held.columns(structure),
         };
-        multifrontal::factorise(&self.structure, &fronts, &mut values, &self.pool).map_err(
-            |NotPositive(column)| SolverError::NotPositiveDefinite {
-                dof: self.structure.dof(column),
-            },
-        )?;
+        let kept = multifrontal::factorise(structure, &fronts, &mut values, &self.pool, parents);
         Ok(Factor {
-            structure: self.structure.clone(),
+            kept: kept.map_err(|pivot| not_positive(structure, pivot))?,
+            structure: structure.clone(),
             values,
+            pool: self.pool.clone(),
             spare: self.spare.clone(),
         })
+    }
+}
+
+fn not_positive(structure: &Supernodes, NotPositive(column): NotPositive) -> SolverError {
+    SolverError::NotPositiveDefinite {
+        dof: structure.dof(column),
     }
 }
 
@@ -115,6 +148,8 @@ impl Symbolic {
 pub struct Factor {
     structure: Arc<Supernodes>,
     values: Vec<f64>,
+    kept: Kept,
+    pool: Arc<Pool>,
     spare: Spare,
 }
 
@@ -132,6 +167,34 @@ impl Factor {
 
     pub(super) fn supernodes(&self) -> &Supernodes {
         &self.structure
+    }
+
+    /// Multiplications and additions of the supernodes of some nodes and those above them.
+    pub fn flops_above(&self, nodes: &[u32]) -> f64 {
+        let above = self.structure.above(nodes);
+        above.into_iter().map(|s| self.structure.flops(s)).sum()
+    }
+
+    /// L of a matrix that differs between some nodes only: the same bits as of a whole factorisation.
+    ///
+    /// # Errors
+    /// [`SolverError::NotPositiveDefinite`]: this is no factor until it has followed another change.
+    pub fn refactorise(
+        &mut self,
+        matrix: &LowerMatrix,
+        held: Held,
+        nodes: &[u32],
+    ) -> Result<(), SolverError> {
+        let structure = &self.structure;
+        let fronts = Fronts {
+            structure,
+            matrix: matrix.val(),
+            held: held.columns(structure),
+        };
+        let path = structure.above(nodes);
+        let (values, kept) = (&mut self.values, &mut self.kept);
+        multifrontal::refactorise(structure, &fronts, values, &self.pool, kept, &path)
+            .map_err(|pivot| not_positive(structure, pivot))
     }
 
     /// The column of L that eliminates a dof.
@@ -155,9 +218,12 @@ struct Fronts<'a> {
     structure: &'a Supernodes,
     /// Entries of K.
     matrix: &'a [f64],
+    held: HeldColumns,
 }
 
 impl Front for Fronts<'_> {
+    const LOWER: bool = true;
+
     fn start(&self, s: usize) -> usize {
         self.structure.block_start(s)
     }
@@ -235,14 +301,18 @@ impl Fronts<'_> {
         let own = sources
             .iter()
             .find(|source| source.row as usize == column - column % 2);
-        own.map_or(0.0, |own| self.matrix[own.columns[column % 2] as usize])
+        match own {
+            _ if self.held.holds(first + column % 2) => self.held.diagonal,
+            Some(own) => self.matrix[own.columns[column % 2] as usize],
+            None => 0.0,
+        }
     }
 
     /// K's entries in the columns of a supernode.
     fn add_matrix(&self, s: usize, block: &mut [f64]) {
         let columns = self.structure.columns(s);
         let height = columns.len() + self.structure.rows(s).len();
-        for (first, pair) in columns.step_by(2).zip((0..).step_by(2)) {
+        for (first, pair) in columns.clone().step_by(2).zip((0..).step_by(2)) {
             let (left, right) = block[pair * height..(pair + 2) * height].split_at_mut(height);
             for source in self.structure.sources(first) {
                 let row = source.row as usize;
@@ -260,6 +330,15 @@ impl Fronts<'_> {
                     left[row..row + 2].copy_from_slice(&self.matrix[a..a + 2]);
                     right[row..row + 2].copy_from_slice(&self.matrix[b..b + 2]);
                 }
+            }
+        }
+        for row in self.held.among(self.structure, s) {
+            let own = columns.len().min(row);
+            (0..own).for_each(|column| block[column * height + row] = 0.0);
+            if row < columns.len() {
+                let column = &mut block[row * height..][..height];
+                column[row..].fill(0.0);
+                column[row] = self.held.diagonal;
             }
         }
     }

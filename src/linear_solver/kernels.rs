@@ -232,6 +232,8 @@ pub struct Added<'a> {
     pub end: usize,
     /// The lower triangle only.
     pub lower: bool,
+    /// Nothing else is stored of the update.
+    pub packed: bool,
 }
 
 impl Added<'_> {
@@ -251,7 +253,13 @@ impl WithSimd for Added<'_> {
                 continue;
             }
             for j in 0..length {
-                let from = &self.update[(row + j) * self.rows..][..self.rows];
+                let column = row + j;
+                let missing = if self.packed {
+                    column * (column + 1) / 2
+                } else {
+                    0
+                };
+                let from = &self.update[column * self.rows - missing..][..self.rows];
                 let to = &mut self.front[(place - first + j) * height..][..height];
                 let runs = if self.lower {
                     let own = &from[row + j..row + length];

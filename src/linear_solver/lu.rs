@@ -12,11 +12,13 @@
 //! tells whether K is singular.
 
 use super::SolverError;
-use super::multifrontal::{self, Child, Front, NotPositive, Pool, parallelism};
+use super::held::{Held, HeldColumns};
+use super::multifrontal::{self, Child, Front, Kept, NotPositive, Pool, parallelism};
 use super::partial_pivoting::{self, MOST_GROWTH, norm, random};
 use super::supernodes::Supernodes;
 use super::triangular::{self, Factors, pivoted_start};
 use crate::assembly::full::{FullMatrix, mean_diagonal};
+use crate::assembly::stiffness::hold;
 use faer::dyn_stack::{MemStack, StackReq};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::linalg::matmul::matmul;
@@ -77,11 +79,27 @@ impl Symbolic {
     /// # Errors
     /// [`SolverError::Singular`], [`SolverError::OutOfMemory`].
     pub fn factorise(&self, matrix: &FullMatrix) -> Result<Factor, SolverError> {
-        let factor = self.numeric(matrix)?;
-        if factor.is_sound(matrix) {
-            return Ok(Factor(Kind::Own(factor)));
+        self.factorise_held(matrix, Held::NONE, &[])
+    }
+
+    /// The same of the matrix with some dofs held, to be followed by [`Factor::refactorise`]. `likely`: nodes near
+    /// which K will change.
+    ///
+    /// # Errors
+    /// As [`Symbolic::factorise`].
+    pub fn factorise_held(
+        &self,
+        matrix: &FullMatrix,
+        held: Held,
+        likely: &[u32],
+    ) -> Result<Factor, SolverError> {
+        let factor = self.numeric(matrix, held, &self.structure.above(likely))?;
+        if factor.is_sound(matrix, held) {
+            return Ok(Factor(Kind::Own(Box::new(factor))));
         }
-        self.factorise_with_all_rows(matrix)
+        let mut matrix = matrix.clone();
+        hold(matrix.parts_mut(), |dof| held.holds(dof), held.diagonal);
+        self.factorise_with_all_rows(&matrix)
     }
 
     /// The same with all rows to choose pivots from, on one thread.
@@ -94,7 +112,12 @@ impl Symbolic {
         Ok(Factor(Kind::AllRows(Box::new(factor))))
     }
 
-    fn numeric(&self, matrix: &FullMatrix) -> Result<Own, SolverError> {
+    fn numeric(
+        &self,
+        matrix: &FullMatrix,
+        held: Held,
+        parents: &[usize],
+    ) -> Result<Own, SolverError> {
         let structure = &self.structure;
         let out_of_memory = || SolverError::OutOfMemory {
             dofs: matrix.ncols(),
@@ -105,12 +128,15 @@ impl Symbolic {
             structure,
             places: &self.places,
             matrix: matrix.val(),
+            held: held.columns(structure),
         };
         // No pivot is refused: the probe tells what they were worth.
-        let refused = multifrontal::factorise(structure, &fronts, &mut values, &self.pool);
-        refused.expect("fronts of LU refuse no pivot");
+        let kept = multifrontal::factorise(structure, &fronts, &mut values, &self.pool, parents);
         Ok(Own {
             structure: structure.clone(),
+            pool: self.pool.clone(),
+            places: self.places.clone(),
+            kept: kept.expect("fronts of LU refuse no pivot"),
             values,
         })
     }
@@ -122,7 +148,7 @@ pub struct Factor(Kind);
 
 #[derive(Clone, Debug)]
 enum Kind {
-    Own(Own),
+    Own(Box<Own>),
     AllRows(Box<partial_pivoting::Factor>),
 }
 
@@ -135,6 +161,18 @@ impl Factor {
         }
     }
 
+    /// The factors of a matrix that differs between some nodes only: the same bits as of a whole
+    /// factorisation. Whether they are sound; if they are not, this is no factor any more.
+    pub fn refactorise(&mut self, matrix: &FullMatrix, held: Held, nodes: &[u32]) -> bool {
+        match &mut self.0 {
+            Kind::Own(own) => {
+                own.refactorise(matrix, held, nodes);
+                own.is_sound(matrix, held)
+            }
+            Kind::AllRows(_) => false,
+        }
+    }
+
     /// Whether pivots were found among each supernode's own rows.
     pub fn kept_to_its_rows(&self) -> bool {
         matches!(self.0, Kind::Own(_))
@@ -144,23 +182,47 @@ impl Factor {
 #[derive(Clone, Debug)]
 struct Own {
     structure: Arc<Supernodes>,
+    places: Arc<Places>,
+    pool: Arc<Pool>,
+    kept: Kept,
     values: Vec<f64>,
 }
 
 impl Own {
+    fn refactorise(&mut self, matrix: &FullMatrix, held: Held, nodes: &[u32]) {
+        let structure = &self.structure;
+        let fronts = Fronts {
+            structure,
+            places: &self.places,
+            matrix: matrix.val(),
+            held: held.columns(structure),
+        };
+        let path = structure.above(nodes);
+        let (values, kept) = (&mut self.values, &mut self.kept);
+        let refused =
+            multifrontal::refactorise(structure, &fronts, values, &self.pool, kept, &path);
+        refused.expect("fronts of LU refuse no pivot");
+    }
+
     fn solve_in_place(&self, rhs: &mut [f64]) {
         triangular::solve(&self.structure, Factors::Pivoted(&self.values), rhs, 1);
     }
 
-    fn is_sound(&self, matrix: &FullMatrix) -> bool {
+    fn is_sound(&self, matrix: &FullMatrix, held: Held) -> bool {
         let b = random(matrix.ncols());
         let mut x = b.clone();
         self.solve_in_place(&mut x);
         let mut rest = b.clone();
         for (column, &x) in x.iter().enumerate() {
+            if held.holds(column) {
+                rest[column] -= held.diagonal * x;
+                continue;
+            }
             let rows = matrix.row_idx_of_col_raw(column).iter();
             for (&row, &value) in rows.zip(matrix.val_of_col(column)) {
-                rest[row as usize] -= value * x;
+                if !held.holds(row as usize) {
+                    rest[row as usize] -= value * x;
+                }
             }
         }
         let size = mean_diagonal(matrix) * norm(&x);
@@ -235,9 +297,12 @@ struct Fronts<'a> {
     places: &'a Places,
     /// Entries of K.
     matrix: &'a [f64],
+    held: HeldColumns,
 }
 
 impl Front for Fronts<'_> {
+    const LOWER: bool = false;
+
     fn start(&self, s: usize) -> usize {
         pivoted_start(self.structure, s)
     }
@@ -321,6 +386,17 @@ impl Fronts<'_> {
                         right[(row + a) * height + column + b] = value;
                     }
                 }
+            }
+        }
+        for place in self.held.among(self.structure, s) {
+            for column in 0..width {
+                left[column * height + place] = 0.0;
+                right[column * height + place] = 0.0;
+            }
+            if place < width {
+                left[place * height..][..height].fill(0.0);
+                right[place * height..][..height].fill(0.0);
+                left[place * height + place] = self.held.diagonal;
             }
         }
     }

@@ -10,12 +10,17 @@
 //! Subtrees of the elimination tree do not need each other: those with work enough are shared out to
 //! the threads, and large blocks near the root are cut. Both follow from the structure alone, and children
 //! are added in their order: the bits do not depend on the number of threads.
+//!
+//! Where K changes in the fronts of a few supernodes, these and those above them are factorised anew
+//! ([`refactorise`]), from what their other children pass up, which is kept ([`Kept`]): the same sums, and so
+//! the same bits.
 
 use super::kernels::Added;
 use super::supernodes::Supernodes;
 use faer::Par;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
@@ -34,6 +39,9 @@ pub struct NotPositive(pub usize);
 
 /// One kind of factorisation, front by front.
 pub trait Front: Sync {
+    /// Whether of what is passed up the lower triangle alone counts.
+    const LOWER: bool;
+
     /// Where a supernode's numbers begin among all; of the number of supernodes, how many there are.
     fn start(&self, s: usize) -> usize;
 
@@ -60,24 +68,116 @@ pub struct Child<'a> {
     pub update: &'a [f64],
 }
 
-/// Fills the numbers of all supernodes.
+/// What it takes to factorise some supernodes anew.
+#[derive(Clone, Debug, Default)]
+pub struct Kept {
+    /// What supernodes pass up to those that were, and may be again; of lower triangles, these alone.
+    updates: BTreeMap<usize, Vec<f64>>,
+    /// What a pivot has left undone, ascending.
+    undone: Vec<usize>,
+}
+
+/// Fills the numbers of all supernodes. `path`: those that are likely to change, ascending and with each of them
+/// all above it; what others pass up to them is kept.
 ///
 /// # Errors
 /// [`NotPositive`].
-pub fn factorise(
+pub fn factorise<F: Front>(
     structure: &Supernodes,
-    front: &impl Front,
+    front: &F,
     values: &mut [f64],
     pool: &Pool,
+    path: &[usize],
+) -> Result<Kept, NotPositive> {
+    let numeric = Numeric::new(structure, front, pool, path);
+    let roots = numeric.subtrees(&structure.roots(), values, 0)?;
+    roots.into_iter().for_each(|root| pool.give(root.values));
+    Ok(numeric.kept())
+}
+
+/// Fills the numbers of the supernodes of a path anew: ascending, with each of them all above it. What
+/// others pass up to them is taken from what is kept, or is found anew as well, and kept from now on.
+///
+/// # Errors
+/// [`NotPositive`]: what is left of the path is done by the next call.
+pub fn refactorise<F: Front>(
+    structure: &Supernodes,
+    front: &F,
+    values: &mut [f64],
+    pool: &Pool,
+    kept: &mut Kept,
+    path: &[usize],
 ) -> Result<(), NotPositive> {
-    let roots = structure.roots();
-    let numeric = Numeric {
-        structure,
-        front,
-        least: LEAST_WORK.max(SHARE * structure.total_flops()),
-        pool,
-    };
-    numeric.subtrees(&roots, values).map(|_| ())
+    let undone = std::mem::take(&mut kept.undone);
+    let (path, missing) = kept.complete(structure, path.iter().copied().chain(undone).collect());
+    let numeric = Numeric::new(structure, front, pool, &[]);
+    for update in numeric.subtrees(&missing, values, 0)? {
+        let stored = numeric.stored(update.supernode, &update.values);
+        kept.updates.insert(update.supernode, stored);
+        pool.give(update.values);
+    }
+    // Of the path itself, until their parents have taken them.
+    let mut fresh: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    for (k, &s) in path.iter().enumerate() {
+        kept.updates.remove(&s);
+        let count = structure.rows(s).len().pow(2);
+        let mut update = pool.take(count);
+        let children = structure.children(s);
+        let child = |&child: &usize| match fresh.get(&child) {
+            Some(update) => numeric.child(child, s, update, false),
+            None => numeric.child(child, s, &kept.updates[&child], F::LOWER),
+        };
+        let updates: Vec<Child> = children.iter().map(child).collect();
+        let mut memory = MemBuffer::new(front.scratch(structure.width(s)));
+        let memory = MemStack::new(&mut memory);
+        let own = &mut values[front.start(s)..front.start(s + 1)];
+        let done = front.eliminate(s, own, &updates, &mut update[..count], memory);
+        if done.is_err() {
+            let stored = fresh
+                .iter()
+                .map(|(&s, update)| (s, numeric.stored(s, update)));
+            kept.updates.extend(stored);
+            kept.undone = path[k..].to_vec();
+            return done;
+        }
+        let taken = children.iter().filter_map(|child| fresh.remove(child));
+        taken.for_each(|update| pool.give(update));
+        fresh.insert(s, update);
+    }
+    fresh.into_values().for_each(|update| pool.give(update));
+    Ok(())
+}
+
+impl Kept {
+    /// A path with those supernodes off it of which nothing is kept, but of some below them; and the roots of the
+    /// subtrees of which nothing is. Both ascending.
+    fn complete(
+        &self,
+        structure: &Supernodes,
+        mut path: BTreeSet<usize>,
+    ) -> (Vec<usize>, Vec<usize>) {
+        let mut missing = BTreeSet::new();
+        let mut looked_at: Vec<usize> = path.iter().copied().collect();
+        while let Some(s) = looked_at.pop() {
+            for child in structure.children_from_last(s) {
+                if self.updates.contains_key(&child) || path.contains(&child) {
+                    continue;
+                }
+                if self
+                    .updates
+                    .range(structure.subtree(child))
+                    .next()
+                    .is_some()
+                {
+                    path.insert(child);
+                    looked_at.push(child);
+                } else {
+                    missing.insert(child);
+                }
+            }
+        }
+        (path.into_iter().collect(), missing.into_iter().collect())
+    }
 }
 
 /// How many threads a supernode is for.
@@ -95,6 +195,9 @@ struct Numeric<'a, F> {
     /// Work of the smallest subtree that is looked into for more tasks.
     least: f64,
     pool: &'a Pool,
+    /// What others pass up to these is kept; ascending.
+    path: &'a [usize],
+    kept: Mutex<BTreeMap<usize, Vec<f64>>>,
 }
 
 /// What a supernode passes up.
@@ -131,6 +234,14 @@ impl Pool {
         vector
     }
 
+    /// Gives all of it back.
+    pub fn clear(&self) {
+        self.0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clear();
+    }
+
     fn give(&self, vector: Vec<f64>) {
         let mut free = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let at = free.partition_point(|other| other.capacity() < vector.capacity());
@@ -138,10 +249,39 @@ impl Pool {
     }
 }
 
-impl<F: Front> Numeric<'_, F> {
-    /// Neighbouring subtrees, whose entries of L are `values`.
-    fn subtrees(&self, roots: &[usize], values: &mut [f64]) -> Result<Vec<Update>, NotPositive> {
-        let tasks = self.split(roots, values);
+impl<'a, F: Front> Numeric<'a, F> {
+    fn new(
+        structure: &'a Supernodes,
+        front: &'a F,
+        pool: &'a Pool,
+        path: &'a [usize],
+    ) -> Numeric<'a, F> {
+        Numeric {
+            structure,
+            front,
+            least: LEAST_WORK.max(SHARE * structure.total_flops()),
+            pool,
+            path,
+            kept: Mutex::default(),
+        }
+    }
+
+    fn kept(self) -> Kept {
+        let updates = self.kept.into_inner();
+        Kept {
+            updates: updates.unwrap_or_else(PoisonError::into_inner),
+            undone: Vec::new(),
+        }
+    }
+
+    /// Subtrees in ascending order; `values` begins at number `offset`.
+    fn subtrees(
+        &self,
+        roots: &[usize],
+        values: &mut [f64],
+        offset: usize,
+    ) -> Result<Vec<Update>, NotPositive> {
+        let tasks = self.split(roots, values, offset);
         let done: Vec<Result<Update, NotPositive>> = (tasks.into_par_iter())
             .map(|(root, values)| self.subtree(root, values))
             .collect();
@@ -149,12 +289,19 @@ impl<F: Front> Numeric<'_, F> {
         done.into_iter().collect()
     }
 
-    fn split<'v>(&self, roots: &[usize], mut values: &'v mut [f64]) -> Vec<(usize, &'v mut [f64])> {
+    /// The numbers of each of some subtrees in ascending order; `values` begins at number `offset`.
+    fn split<'v>(
+        &self,
+        roots: &[usize],
+        mut values: &'v mut [f64],
+        mut offset: usize,
+    ) -> Vec<(usize, &'v mut [f64])> {
         let share = |&root: &usize| {
-            let subtree = self.structure.subtree(root);
-            let entries = self.front.start(root + 1) - self.front.start(subtree.start);
-            let (own, rest) = std::mem::take(&mut values).split_at_mut(entries);
-            values = rest;
+            let begin = self.front.start(self.structure.subtree(root).start);
+            let end = self.front.start(root + 1);
+            let rest = &mut std::mem::take(&mut values)[begin - offset..];
+            let (own, rest) = rest.split_at_mut(end - begin);
+            (values, offset) = (rest, end);
             (root, own)
         };
         roots.iter().map(share).collect()
@@ -169,11 +316,12 @@ impl<F: Front> Numeric<'_, F> {
         let (mut top, mut values) = (root, values);
         loop {
             let children = self.structure.children(top);
+            let offset = self.front.start(self.structure.subtree(top).start);
             let below = values.len() - self.numbers(top);
             let (subtrees, block) = values.split_at_mut(below);
             let large = |&c: &usize| self.structure.subtree_flops(c) >= self.least;
             if children.iter().filter(|c| large(c)).count() != 1 {
-                let updates = self.subtrees(&children, subtrees)?;
+                let updates = self.subtrees(&children, subtrees, offset)?;
                 let mut update = self.front(top, block, updates)?;
                 while let Some(link) = chain.pop() {
                     let mut updates = link.before;
@@ -184,7 +332,7 @@ impl<F: Front> Numeric<'_, F> {
                 return Ok(update);
             }
             let at = children.iter().position(large).expect("there is one");
-            let mut parts = self.split(&children, subtrees);
+            let mut parts = self.split(&children, subtrees, offset);
             let after = parts.split_off(at + 1);
             let (next, part) = parts.pop().expect("there is one");
             let side = |parts: Vec<(usize, &mut [f64])>| -> Result<Vec<Update>, NotPositive> {
@@ -208,9 +356,11 @@ impl<F: Front> Numeric<'_, F> {
         self.front.start(s + 1) - self.front.start(s)
     }
 
-    fn child<'u>(&self, child: usize, parent: usize, update: &'u [f64]) -> Child<'u> {
+    /// `packed`: of the update, the lower triangle alone is there.
+    fn child<'u>(&self, child: usize, parent: usize, update: &'u [f64], packed: bool) -> Child<'u> {
+        let (places, width) = (self.structure.places(child), self.structure.width(parent));
         Child {
-            runs: Runs::new(self.structure.places(child), self.structure.width(parent)),
+            runs: Runs::new(places, width, packed),
             update,
         }
     }
@@ -224,18 +374,41 @@ impl<F: Front> Numeric<'_, F> {
         let rows = self.structure.rows(s).len();
         let mut update = self.pool.take(rows * rows);
         let updates: Vec<Child> = (children.iter())
-            .map(|child| self.child(child.supernode, s, &child.values))
+            .map(|child| self.child(child.supernode, s, &child.values, false))
             .collect();
         let mut memory = MemBuffer::new(self.front.scratch(self.structure.width(s)));
         let memory = MemStack::new(&mut memory);
         (self.front).eliminate(s, block, &updates, &mut update, memory)?;
-        children
-            .into_iter()
-            .for_each(|child| self.pool.give(child.values));
+        for child in children {
+            self.keep(child.supernode, &child.values);
+            self.pool.give(child.values);
+        }
         Ok(Update {
             supernode: s,
             values: update,
         })
+    }
+
+    /// Keeps what a supernode passes up, if it is needed once more.
+    fn keep(&self, s: usize, update: &[f64]) {
+        let is_on_path = |s: usize| self.path.binary_search(&s).is_ok();
+        let parent = self.structure.parent(s);
+        if !is_on_path(s) && parent.is_some_and(is_on_path) {
+            let stored = self.stored(s, update);
+            let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+            kept.insert(s, stored);
+        }
+    }
+
+    /// An update in as little room as it needs.
+    fn stored(&self, s: usize, update: &[f64]) -> Vec<f64> {
+        let rows = self.structure.rows(s).len();
+        if !F::LOWER {
+            return update[..rows * rows].to_vec();
+        }
+        let mut stored = Vec::with_capacity(rows * (rows + 1) / 2);
+        (0..rows).for_each(|j| stored.extend(&update[j * rows + j..(j + 1) * rows]));
+        stored
     }
 
     /// A subtree, supernode after supernode.
@@ -261,12 +434,16 @@ impl<F: Front> Numeric<'_, F> {
             let mut children: Vec<Child> = Vec::new();
             for child in structure.children_from_last(s) {
                 let begin = end - structure.rows(child).len().pow(2);
-                children.push(self.child(child, s, &read[begin..end]));
+                children.push(self.child(child, s, &read[begin..end], false));
                 end = begin;
             }
+            children.reverse();
             let update = &mut write[top[own]..][..rows * rows];
             let memory = MemStack::new(&mut memory);
             (self.front).eliminate(s, block, &children, update, memory)?;
+            if s != root {
+                self.keep(s, update);
+            }
             top[own] += rows * rows;
             top[1 - own] = end;
         }
@@ -316,10 +493,11 @@ pub struct Runs {
     rows: usize,
     /// Columns of the parent.
     width: usize,
+    packed: bool,
 }
 
 impl Runs {
-    fn new(places: &[u32], width: usize) -> Runs {
+    fn new(places: &[u32], width: usize, packed: bool) -> Runs {
         let mut runs: Vec<[usize; 3]> = Vec::new();
         for (row, &place) in places.iter().enumerate() {
             let place = place as usize;
@@ -335,6 +513,7 @@ impl Runs {
             runs,
             rows: places.len(),
             width,
+            packed,
         }
     }
 
@@ -387,6 +566,7 @@ impl Runs {
             first: columns.start,
             end: columns.end,
             lower,
+            packed: self.packed,
         }
         .add();
     }

@@ -9,6 +9,7 @@
 use super::elimination_tree::{self, NONE};
 use crate::assembly::Lists;
 use faer::sparse::SymbolicSparseColMatRef;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// Multiplications and additions per second of a product of large blocks, and the width of blocks that
@@ -188,6 +189,18 @@ impl Supernodes {
     /// The supernode of a column.
     pub fn supernode_of(&self, column: usize) -> usize {
         self.first_column.partition_point(|&c| c as usize <= column) - 1
+    }
+
+    /// The supernodes of some nodes and those above them, ascending.
+    pub fn above(&self, nodes: &[u32]) -> Vec<usize> {
+        let mut found = BTreeSet::new();
+        for &node in nodes {
+            let mut next = Some(self.supernode_of(2 * self.position[node as usize] as usize));
+            while let Some(s) = next.filter(|&s| found.insert(s)) {
+                next = self.parent(s);
+            }
+        }
+        found.into_iter().collect()
     }
 
     /// The dof that a column eliminates.

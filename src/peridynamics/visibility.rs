@@ -353,7 +353,7 @@ mod tests {
 
     #[test]
     fn what_is_rough_by_rounding_hides_nothing() {
-        let rough = |k: usize| 1e-10 * if k % 2 == 0 { 1.0 } else { -1.0 };
+        let rough = |k: usize| 1e-10 * if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         let mut side: Vec<[f64; 2]> = (0..=40).map(|k| [0.025 * k as f64, rough(k)]).collect();
         side.extend([[1.0, 1.0], [0.0, 1.0]]);
         let outline = Outline { loops: vec![side] };

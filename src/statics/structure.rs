@@ -6,11 +6,13 @@ mod cells;
 use crate::assembly::full::{Equations, FullPattern};
 use crate::assembly::stiffness::Stiffness;
 use crate::assembly::{ElementStiffness, Lists, Pattern};
+use crate::linear_solver::held::Held;
 use crate::linear_solver::ordering::{Ordering, elimination_order};
 use crate::linear_solver::two_level::TwoLevel;
 use crate::linear_solver::{Factor, Method, SolverError, cholesky, expected_factor_entries, lu};
 use crate::model::Model;
 use crate::phases::Phases;
+use crate::springs::Springs;
 
 pub(super) enum Structure {
     Symmetric {
@@ -96,7 +98,34 @@ impl Structure {
         stiffness
     }
 
-    /// What to solve with, given which dofs are held.
+    /// Brings the columns of some nodes up to the springs that are intact.
+    pub(super) fn reassemble(
+        &self,
+        stiffness: &mut Stiffness,
+        nodes: &[u32],
+        (positions, springs): (&[[f64; 2]], &Springs),
+        intact: &[bool],
+    ) {
+        let is_intact = |spring: usize| intact[spring];
+        match (self, stiffness) {
+            (
+                Structure::Symmetric {
+                    elements, pattern, ..
+                },
+                Stiffness::Symmetric(lower),
+            ) => pattern.reassemble(lower, nodes, positions, springs, is_intact, elements),
+            (
+                Structure::Full {
+                    equations, pattern, ..
+                },
+                Stiffness::Full(full),
+            ) => pattern.reassemble(full, nodes, positions, springs, is_intact, equations),
+            _ => unreachable!("a structure assembles its own form"),
+        }
+    }
+
+    /// What to solve with, given which dofs are held. `likely`: nodes near which K will change, if it is to be
+    /// followed.
     ///
     /// # Errors
     /// [`SolverError::NotPositiveDefinite`] or [`SolverError::Singular`] for a mechanism,
@@ -105,35 +134,51 @@ impl Structure {
         &self,
         positions: &[[f64; 2]],
         stiffness: &Stiffness,
-        is_held: &[bool],
-        phases: &mut Phases,
+        held: Held,
+        likely: &[u32],
     ) -> Result<Factor, SolverError> {
-        if let Structure::Symmetric {
-            pattern,
-            way: Way::TwoLevel(cells),
-            ..
-        } = self
-            && let Stiffness::Symmetric(lower) = stiffness
-        {
-            let solver = phases.measure("factorisation", || {
-                TwoLevel::new(lower, &pattern.graph, cells, positions, is_held)
-            });
-            return Ok(Factor::TwoLevel(Box::new(solver?)));
-        }
-        let held = phases.measure("supports", || stiffness.hold(is_held));
-        phases.measure("factorisation", || match (self, &held) {
+        match (self, stiffness) {
             (
                 Structure::Symmetric {
                     way: Way::Direct(symbolic),
                     ..
                 },
                 Stiffness::Symmetric(lower),
-            ) => symbolic.factorise(lower).map(Factor::Cholesky),
+            ) => (symbolic.factorise_held(lower, held, likely)).map(Factor::Cholesky),
+            (
+                Structure::Symmetric {
+                    way: Way::TwoLevel(cells),
+                    pattern,
+                    ..
+                },
+                Stiffness::Symmetric(lower),
+            ) => TwoLevel::new(lower, &pattern.graph, cells, positions, held.dofs)
+                .map(|solver| Factor::TwoLevel(Box::new(solver))),
             (Structure::Full { symbolic, .. }, Stiffness::Full(full)) => symbolic
-                .factorise(full)
+                .factorise_held(full, held, likely)
                 .map(|factor| Factor::Lu(Box::new(factor))),
             _ => unreachable!("a structure assembles its own form"),
-        })
+        }
+    }
+
+    /// Who shares stiffness with whom.
+    pub(super) fn graph(&self) -> &Lists {
+        match self {
+            Structure::Symmetric { pattern, .. } => &pattern.graph,
+            Structure::Full { pattern, .. } => &pattern.graph,
+        }
+    }
+
+    /// Some mean of K's diagonal, the same whatever has broken: its scale [N/m].
+    pub(super) fn mean_diagonal(&self, springs: &Springs, dofs: usize) -> f64 {
+        let of_springs: f64 = springs.stiffness.iter().map(|k| 2.0 * k).sum();
+        let own: f64 = match self {
+            Structure::Symmetric { elements, .. } => {
+                elements.iter().map(|element| element.matrix.trace()).sum()
+            }
+            Structure::Full { .. } => 0.0,
+        };
+        (of_springs + own) / dofs as f64
     }
 
     pub(super) fn method(&self) -> Method {

@@ -291,3 +291,23 @@ fn counts_of_a_thousand_million_take_no_memory() {
         ended.err
     );
 }
+
+/// Depth that overflows a stack, or takes for ever: at once a message.
+#[test]
+fn depth_without_end_is_refused_at_once() {
+    for unit in [
+        "[", "{a: ", "- ", "? ", "&a [", "a: [", "!b [", "\"", "'", ": ", "*a ", "%", "|\n ",
+    ] {
+        let place = Workplace::new();
+        place.write(
+            "bar.yaml",
+            format!("name: a\nb: {}", unit.repeat(1_000_000 / unit.len())),
+        );
+        for command in ["check", "sweep"] {
+            let child = place.command(&[command, "bar.yaml"]).spawn();
+            let (code, told) = wait(child.expect("the binary starts"), unit);
+            assert_eq!(code, Some(2), "{unit}: {told:.300}");
+            assert!(told.contains("  × "), "{unit}: {told:.300}");
+        }
+    }
+}

@@ -58,8 +58,15 @@ fn assert_same(
     expected: &BTreeMap<String, Vec<u8>>,
     what: &str,
 ) {
-    let names = |files: &BTreeMap<String, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();
-    assert_eq!(names(found), names(expected), "{what}");
+    let lacks = |a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>| {
+        let names = a.keys().filter(|name| !b.contains_key(*name));
+        names.cloned().collect::<Vec<_>>()
+    };
+    let (more, fewer) = (lacks(found, expected), lacks(expected, found));
+    assert!(
+        more.is_empty() && fewer.is_empty(),
+        "{what}: {more:?} too many, {fewer:?} missing"
+    );
     for (name, bytes) in expected {
         assert!(found[name] == *bytes, "{what}: {name} differs");
     }

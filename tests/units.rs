@@ -126,7 +126,7 @@ fn points_may_be_ten_thousand_times_smaller_than_elements() {
         name_cells(&mut mesh, "elements", |x| x[0] < 1.0);
         name_cells(&mut mesh, "points", |x| x[0] > 1.0);
         name_curve(&mut mesh, "left", |x| x[0] < 1e-9);
-        name_curve(&mut mesh, "bottom", |x| x[1] < 1e-9 && x[0] < 0.9);
+        name_curve(&mut mesh, "bottom", |x| x[1] < 1e-9 && x[0] < 1.0 + 1e-9);
         name_curve(&mut mesh, "load", |x| x[0] > 1.0 + 7.9e-4);
         let lattice = Method::Peridynamics(paper_lattice(1e-4, Placement::CellCentred));
         let regions = vec![

@@ -103,6 +103,8 @@ impl Sweep<'_> {
             )
         };
         if !self.settings.force && is_done() {
+            // Of a sweep that was killed when this run had just ended.
+            let _ = fs::remove_file(log_file(self.study, run));
             self.tell(run, "fresh");
             return Ok(());
         }

@@ -1,5 +1,6 @@
 //! The pipeline file on the disk: its text, what lies beside it, and where its results go.
 
+use super::nesting::{MOST_BRACKETS, too_many_brackets};
 use super::source::{InputError, choices};
 use std::fs::File;
 use std::io::{ErrorKind, Read};
@@ -44,12 +45,21 @@ pub(super) fn read_text(path: &Path) -> Result<String, InputError> {
         let help = "is it another file? Meshes and geometries are named under `geometry`";
         return Err(InputError::plain(message, Some(help.to_owned())));
     }
-    String::from_utf8(bytes).map_err(|error| {
+    let text = String::from_utf8(bytes).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
         let message = format!("{name}:{line}: the pipeline is not UTF-8 text");
         InputError::plain(message, Some("save it as UTF-8 in your editor".to_owned()))
-    })
+    })?;
+    match too_many_brackets(&text) {
+        None => Ok(text),
+        Some(line) => {
+            let message =
+                format!("{name}:{line}: more than {MOST_BRACKETS} brackets are open here");
+            let help = "a pipeline needs three or four in each other: is one not closed?";
+            Err(InputError::plain(message, Some(help.to_owned())))
+        }
+    }
 }
 
 /// A pipeline is some kilobytes long.

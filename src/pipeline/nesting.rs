@@ -11,6 +11,28 @@ pub(super) fn is_shallow(text: &str) -> bool {
     serde_yaml::from_str::<Shape>(text).is_ok()
 }
 
+/// More brackets in each other than a pipeline has.
+pub(super) const MOST_BRACKETS: usize = 100;
+
+/// The first line in which more than that are open. Each one costs the readers as much as all those around
+/// it: a hundred thousand take minutes. Those in texts and comments count as well: there they come in pairs.
+pub(super) fn too_many_brackets(text: &str) -> Option<usize> {
+    let mut open = 0_usize;
+    for (index, line) in text.lines().enumerate() {
+        for byte in line.bytes() {
+            match byte {
+                b'[' | b'{' => open += 1,
+                b']' | b'}' => open = open.saturating_sub(1),
+                _ => {}
+            }
+            if open > MOST_BRACKETS {
+                return Some(index + 1);
+            }
+        }
+    }
+    None
+}
+
 /// Whatever the text holds, forgotten at once: a key may stand there twice.
 struct Shape;
 
@@ -83,16 +105,17 @@ mod tests {
 
     #[test]
     fn plain_files_are_shallow_and_endless_nesting_is_not() {
-        for text in [
-            "",
-            "a: {b: [1, 2.5, x, null, true]}",
-            "a: 1\na: 2",
-            "a: !b c",
-        ] {
+        for text in ["a: {b: [1, 2.5, x, null, true]}", "a: 1\na: 2", "a: !b c"] {
             assert!(is_shallow(text), "{text}");
         }
-        for unit in ["[", "{a: ", "- ", "? "] {
+        for unit in ["- ", "? "] {
             assert!(!is_shallow(&unit.repeat(100_000)), "{unit}");
         }
+        for unit in ["[", "{a: "] {
+            assert!(!is_shallow(&unit.repeat(1000)), "{unit}");
+            let text = format!("a: [{{b: 1}}]\n{}", unit.repeat(1000));
+            assert_eq!(too_many_brackets(&text), Some(2));
+        }
+        assert_eq!(too_many_brackets(&"[{a: 1}]\n".repeat(1000)), None);
     }
 }

@@ -21,7 +21,7 @@ const MOST_DOFS: u64 = 100_000;
 const SPACINGS: [&str; 4] = ["1/2", "1/3", "1/7", "1/13"];
 
 /// Phases of the first solution; what comes before is meshing.
-const COLD: [&str; 8] = [
+const COLD: [&str; 7] = [
     "elements",
     "pattern",
     "ordering",

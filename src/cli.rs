@@ -465,6 +465,7 @@ fn check(plan: &Plan, method: Option<Method>) -> Result<(), RunError> {
         megabytes(estimate.bytes),
         about(estimate.time)
     );
+    println!("  next: peristitch run {}", plan.source.path.display());
     Ok(())
 }
 

@@ -161,11 +161,11 @@ fn the_script_runs_and_the_slider_changes_picture_text_and_mark() {
     let first = summary["fracture"]["first_break"]["step"]
         .as_u64()
         .expect("a step");
-    let before = frames
+    let mut before = frames
         .iter()
         .filter_map(Value::as_u64)
         .filter(|&step| step < first);
-    let before = before.last().expect("a frame before the first break");
+    let before = before.next_back().expect("a frame before the first break");
     assert!(told(&at_begin, "frame-text").starts_with(&format!("step {before}: ")));
     assert!(picture(&dom) != picture(&at_begin));
     assert!(mark(&dom) != mark(&at_begin));

@@ -19,6 +19,10 @@ use peristitch::verification::bodies::{default_lattice, solve};
 
 const NU: f64 = 1.0 / 3.0;
 
+/// A map of the unit square, and how many elements it is cut into each way.
+type Part<F> = (F, [usize; 2]);
+type Map = fn([f64; 2]) -> [f64; 2];
+
 fn rock(young: f64) -> Material {
     Material { young, poisson: NU }
 }
@@ -33,7 +37,7 @@ fn ring(
     inner: f64,
     outer: f64,
     square: bool,
-) -> Vec<(impl Fn([f64; 2]) -> [f64; 2], [usize; 2])> {
+) -> Vec<Part<impl Fn([f64; 2]) -> [f64; 2]>> {
     (0..4)
         .map(|quarter| {
             let map = move |[s, t]: [f64; 2]| {
@@ -51,7 +55,7 @@ fn ring(
 }
 
 /// A square within a circle, and what is between them.
-fn core(count: usize, radius: f64) -> Vec<(impl Fn([f64; 2]) -> [f64; 2], [usize; 2])> {
+fn core(count: usize, radius: f64) -> Vec<Part<impl Fn([f64; 2]) -> [f64; 2]>> {
     let h = 0.5 * radius;
     (0..5)
         .map(move |part| {
@@ -111,7 +115,7 @@ fn free_of_rotation(model: &Model, mesh_points: [&str; 2]) -> Boundary {
 #[test]
 fn a_disc_of_curved_elements_under_pressure_is_uniform() {
     for kind in [CellKind::Quad8, CellKind::Quad4] {
-        let none: [(fn([f64; 2]) -> [f64; 2], [usize; 2]); 0] = [];
+        let none: [Part<Map>; 0] = [];
         let mut mesh = mesh_of(kind, 1.0, &core(4, 1.0), &none);
         name_cells(&mut mesh, "disc", |_| true);
         name_curve(&mut mesh, "rim", |x| radius(x) > 0.999);
@@ -150,7 +154,7 @@ fn lame(r: f64) -> f64 {
 }
 
 fn cylinder() -> Mesh {
-    let none: [(fn([f64; 2]) -> [f64; 2], [usize; 2]); 0] = [];
+    let none: [Part<Map>; 0] = [];
     let mut mesh = mesh_of(
         CellKind::Quad8,
         3.0,

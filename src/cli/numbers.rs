@@ -52,6 +52,15 @@ pub(super) fn print_files(plan: &Plan, summary: &Value) {
     }
 }
 
+/// What one does next with a result.
+pub(super) fn print_next(plan: &Plan) {
+    let pipeline = plan.source.path.display();
+    if plan.spec.sweep.is_some() {
+        println!("  next: peristitch sweep {pipeline}  (its study)");
+    }
+    println!("  next: peristitch watch {pipeline}  (runs it again after each save)");
+}
+
 /// Onset, peak and end of a fracture run, each with what the pipeline gives as its reference.
 fn print_fracture(summary: &Value) {
     let fracture = &summary["fracture"];

@@ -1,6 +1,6 @@
 //! `peristitch run`.
 
-use super::numbers::{print_files, print_numbers, print_phases, print_picture};
+use super::numbers::{print_files, print_next, print_numbers, print_phases, print_picture};
 use super::progress::{JsonLines, Progress, print_error};
 use super::{Common, INTERRUPTED, code_of, for_each, report};
 use crate::fracture::control::{Ending, Resolution};
@@ -178,6 +178,7 @@ fn run_one(plan: &Plan, options: &Options, arguments: &RunArguments) -> Result<(
         print_picture(plan, &summary);
     } else {
         print_files(plan, &summary);
+        print_next(plan);
     }
     if arguments.verbose {
         print_phases(&summary);

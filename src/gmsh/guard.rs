@@ -1,7 +1,7 @@
 //! What a script could do besides drawing: run programs and write files.
 //!
 //! A `.geo` is code. These commands are found in the text, before Gmsh sees it, so that the message has
-//! file and line; what the text does not show, [`super::sandbox`] forbids while Gmsh runs.
+//! file and line; what the text does not show, `sandbox.rs` forbids while Gmsh runs.
 
 use super::geo_script::Text;
 use std::ops::Range;

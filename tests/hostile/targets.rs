@@ -114,11 +114,13 @@ pub const MOST_BYTES: usize = 256 << 20;
 /// An input of 500 kB may be quadratic to complain of; none may take longer [s].
 pub const LONGEST: Duration = Duration::from_secs(5);
 
+/// Whether an input is taken, or why not.
+type Read = Box<dyn Fn(&[u8]) -> Result<(), String>>;
+
 pub struct Target {
     pub name: &'static str,
     seeds: Vec<Vec<u8>>,
-    /// Whether the input is taken, or why not.
-    read: Box<dyn Fn(&[u8]) -> Result<(), String>>,
+    read: Read,
     /// What every refusal holds: the place.
     place: Option<&'static str>,
 }
@@ -189,10 +191,7 @@ fn is(read: bool) -> Result<(), String> {
 }
 
 /// A file in a folder that lives as long as the reader.
-fn in_file(
-    name: &str,
-    read: impl Fn(&std::path::Path) -> Result<(), String> + 'static,
-) -> Box<dyn Fn(&[u8]) -> Result<(), String>> {
+fn in_file(name: &str, read: impl Fn(&std::path::Path) -> Result<(), String> + 'static) -> Read {
     let folder: TempDir = tempfile::tempdir().expect("a temporary folder");
     std::fs::create_dir(folder.path().join("geo")).expect("a new folder");
     for (from, to) in [("cantilever", "bar"), ("plate_mode_i", "plate")] {

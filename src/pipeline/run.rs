@@ -25,7 +25,7 @@ use crate::coupling::Coupling;
 use crate::fracture::control::Resolution;
 use crate::gmsh::{self, Extract, GmshError};
 use crate::meshio::{self, MeshioError};
-use crate::model::Model;
+use crate::model::{Method as RegionMethod, Model};
 use crate::output::{WriteError, write_whole};
 use crate::phases::{Phases, peak_memory};
 use crate::statics::{self, Method, Solution, StaticsError};
@@ -399,6 +399,7 @@ impl Run<'_> {
         })?;
         self.costs.phases.append(phases.list);
         self.warn_of_areas(&model);
+        self.warn_of_narrow_regions(&model);
         Ok((model, boundary))
     }
 
@@ -623,6 +624,26 @@ impl Run<'_> {
                     "the material points of `{}` stand for {:.2} % of its area",
                     lattice_name(model, points),
                     100.0 * share
+                ));
+            }
+        }
+    }
+
+    /// Under two horizons no point has a whole family, and the correction of free surfaces is all that there is.
+    fn warn_of_narrow_regions(&mut self, model: &Model) {
+        for points in &model.points {
+            let RegionMethod::Peridynamics(settings) = model.regions[points.region].method else {
+                continue;
+            };
+            let [low, high] = settings.lattice.axes().outline(&points.outline).bounds();
+            let width = [0, 1].map(|axis| (high[axis] - low[axis]) / settings.lattice.spacing);
+            let width = width[0].min(width[1]);
+            if width < 2.0 * settings.horizon_ratio * (1.0 - AREA_WARNING) {
+                self.observer.warns(&format!(
+                    "the region `{}` is {width:.1} spacings wide, under 2 horizons, which are {} spacings: \
+                     choose a smaller `spacing`, or make it wider",
+                    lattice_name(model, points),
+                    2.0 * settings.horizon_ratio
                 ));
             }
         }

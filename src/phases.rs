@@ -23,14 +23,13 @@ pub struct Phases {
 
 impl Phases {
     /// The phases of [`crate::statics::solve`].
-    pub const STATICS: [&'static str; 9] = [
+    pub const STATICS: [&'static str; 8] = [
         "support",
         "elements",
         "pattern",
         "ordering",
         "symbolic",
         "assembly",
-        "supports",
         "factorisation",
         "solution",
     ];

@@ -3,7 +3,7 @@
 
 mod workplace;
 
-use landlock::{ABI, Access, AccessFs, CompatLevel, Compatible, Ruleset, RulesetAttr};
+use landlock::{ABI, AccessFs, CompatLevel, Compatible, Ruleset, RulesetAttr};
 use peristitch::gmsh::library::Places;
 use serde_json::json;
 use std::io::Write;

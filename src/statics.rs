@@ -35,6 +35,23 @@ pub struct Solution {
     pub size: SystemSize,
 }
 
+impl Solution {
+    /// |Σ of loads and reactions| over the sum of their magnitudes [-]: rounding, but under the splice, whose
+    /// two sides see different forces.
+    pub fn imbalance(&self, boundary: &Boundary) -> f64 {
+        let forces = || {
+            let loads = boundary.load.chunks_exact(2).map(|f| [f[0], f[1]]);
+            self.reaction.iter().copied().chain(loads)
+        };
+        let sum = forces().fold([0.0; 2], |[x, y], [a, b]| [x + a, y + b]);
+        let magnitude: f64 = forces().map(|[x, y]| x.hypot(y)).sum();
+        match magnitude {
+            0.0 => 0.0,
+            magnitude => sum[0].hypot(sum[1]) / magnitude,
+        }
+    }
+}
+
 /// Sizes of the linear system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SystemSize {

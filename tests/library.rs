@@ -7,7 +7,8 @@ mod plate;
 #[test]
 fn the_plate_of_the_example_is_as_long_as_it_should_be() {
     let [elongation, exact] = plate::elongation().expect("a sound model");
-    // Uniform strain passes the interface; the band's free edges, corrected by force, leave this much.
+    // Uniform strain passes the interface; the band's free edges, corrected by force, leave −0.05 % at half this
+    // spacing (`cantilever_clip_q8_rollers`), twice as much here.
     let error = elongation / exact - 1.0;
-    assert!(error.abs() < 1e-3, "{error}");
+    assert!((error + 1e-3).abs() < 5e-5, "{error}");
 }

@@ -224,12 +224,32 @@ pub fn mesh(
     let log_file = folder.path().join("log");
     let end = run_worker(&request, &log_file, options)?;
     let log = last_lines(&log_file);
-    let mut extract = conclude(geometry, &request, end, log, options.time_limit)?;
+    let concluded = conclude(geometry, &request, end, log, options.time_limit);
+    let mut extract = concluded.map_err(|error| locate_absent(error, script.as_ref()))?;
     if let Some(script) = script {
         add_known_values(&mut extract.parameters, &script, parameters);
         extract.warnings.extend(script.warnings);
     }
     Ok(extract)
+}
+
+/// Gmsh does not tell where a script names a file that cannot be opened.
+fn locate_absent(mut error: GmshError, script: Option<&GeoScript>) -> GmshError {
+    let (GmshError::Failed { errors, .. }, Some(script)) = (&mut error, script) else {
+        return error;
+    };
+    for message in errors.iter_mut().filter(|message| message.file.is_none()) {
+        let is_named = |named: &&geo_script::Named| {
+            let name = named.path.file_name().and_then(|name| name.to_str());
+            message.text.starts_with("Unable to open")
+                && name.is_some_and(|n| message.text.contains(n))
+        };
+        if let Some(named) = script.absent.iter().find(is_named) {
+            message.file = Some(named.file.clone());
+            message.line = u32::try_from(named.line).ok();
+        }
+    }
+    error
 }
 
 /// Adds to the values that Gmsh tells (from 4.9 on) those that are known without it.

@@ -6,39 +6,14 @@ mod workplace;
 use peristitch::pipeline::plan::Plan;
 use proptest::prelude::*;
 use std::sync::LazyLock;
-use workplace::{Ended, PIPELINE, Workplace};
-
-/// `run` fails with `code` and says every part of `message`; not a byte has changed.
-#[track_caller]
-fn assert_refused(place: &Workplace, arguments: &[&str], code: i32, message: &[&str]) -> Ended {
-    let before = place.snapshot();
-    let ended = place.call(&[&["run"], arguments].concat());
-    assert_eq!(ended.code, Some(code), "{}", ended.err);
-    for part in message {
-        assert!(
-            ended.err.contains(part),
-            "{part:?} is not in\n{}",
-            ended.err
-        );
-    }
-    assert_eq!(
-        ended.err.matches("  × ").count(),
-        1,
-        "one message, not\n{}",
-        ended.err
-    );
-    assert!(!ended.err.contains("panicked"), "{}", ended.err);
-    assert_eq!(place.snapshot(), before);
-    assert!(!place.path("results").exists());
-    ended
-}
+use workplace::{PIPELINE, Workplace};
 
 /// The sound pipeline with `old` replaced by `new` is refused.
 #[track_caller]
 fn assert_edit(old: &str, new: &str, message: &[&str]) {
     let place = Workplace::new();
     place.edit("bar.yaml", old, new);
-    assert_refused(&place, &["bar.yaml"], 2, message);
+    place.assert_refused(&["run", "bar.yaml"], 2, message);
 }
 
 /// The sound pipeline with the `.geo` edited is refused.
@@ -46,12 +21,12 @@ fn assert_edit(old: &str, new: &str, message: &[&str]) {
 fn assert_geo(old: &str, new: &str, message: &[&str]) {
     let place = Workplace::new();
     place.edit("geo/bar.geo", old, new);
-    assert_refused(&place, &["bar.yaml"], 2, message);
+    place.assert_refused(&["run", "bar.yaml"], 2, message);
 }
 
 #[track_caller]
 fn assert_set(set: &str, message: &[&str]) {
-    assert_refused(&Workplace::new(), &["bar.yaml", "--set", set], 2, message);
+    Workplace::new().assert_refused(&["run", "bar.yaml", "--set", set], 2, message);
 }
 
 /// The key `boundary` to its end.
@@ -67,16 +42,14 @@ fn files_that_are_no_pipeline() {
         "there is no pipeline file bra.yaml",
         "did you mean `bar.yaml`?",
     ];
-    assert_refused(&place, &["bra.yaml"], 2, &missing);
-    assert_refused(
-        &place,
-        &["geo"],
+    place.assert_refused(&["run", "bra.yaml"], 2, &missing);
+    place.assert_refused(
+        &["run", "geo"],
         2,
         &["geo is a folder, not a pipeline file"],
     );
-    assert_refused(
-        &place,
-        &["."],
+    place.assert_refused(
+        &["run", "."],
         2,
         &["is a folder", "name a file: `./bar.yaml`"],
     );
@@ -107,18 +80,12 @@ fn files_that_are_no_pipeline() {
         ),
     ] {
         place.write("p.yaml", text);
-        assert_refused(&place, &["p.yaml"], 2, message);
+        place.assert_refused(&["run", "p.yaml"], 2, message);
     }
 }
 
 #[test]
 fn the_geometry_file() {
-    let missing = [
-        "bar.yaml:3:9",
-        "geo/bra.geo does not exist",
-        "did you mean `bar.geo`?",
-    ];
-    assert_edit("geo/bar.geo", "geo/bra.geo", &missing);
     assert_edit(
         "geo/bar.geo",
         "geo",
@@ -128,15 +95,6 @@ fn the_geometry_file() {
         "geo/bar.geo",
         "bar.yaml",
         &["bar.yaml:3:9", "not a kind of file"],
-    );
-    // Line 26 lacks its semicolon: Gmsh notices in line 27 at the latest.
-    let syntax = ["bar.yaml:3:9", "geo/bar.geo:26: syntax error"];
-    assert_geo("length = 1000;\n", "length = 1000\n", &syntax);
-    let include = ["bar.yaml:3:9", "nowhere.geo"];
-    assert_geo(
-        "length = 1000;\n",
-        "length = 1000;\nInclude \"nowhere.geo\";\n",
-        &include,
     );
 }
 
@@ -153,26 +111,8 @@ fn physical_groups() {
         "has no physical surface",
         "Physical Surface(\"plate\") = {1};",
     ];
-    assert_refused(&place, &["bar.yaml"], 2, &none);
+    place.assert_refused(&["run", "bar.yaml"], 2, &none);
 
-    let surfaces = "There are: `band`, `left`, `right`";
-    assert_edit(
-        "right]",
-        "rigth]",
-        &["bar.yaml:10:21", "`rigth`", "mean `right`?", surfaces],
-    );
-    assert_edit(
-        "group: band",
-        "group: clamp",
-        &["bar.yaml:11:12", "`clamp`", "is no surface"],
-    );
-    assert_edit(
-        "group: load",
-        "group: laod",
-        &["bar.yaml:19:", "`laod`", "mean `load`?"],
-    );
-    let surface = ["bar.yaml:19:14", "is a surface", "curves and points"];
-    assert_edit("group: load", "group: band", &surface);
     assert_edit(
         "group: load",
         "group: tip",
@@ -182,29 +122,6 @@ fn physical_groups() {
 
 #[test]
 fn meshes_that_do_not_fit() {
-    let nine = [
-        "bar.yaml:3:9",
-        "Quadrilateral 9",
-        "write Mesh.SecondOrderIncomplete = 1;",
-    ];
-    let incomplete = "Mesh.SecondOrderIncomplete = ";
-    assert_geo(&format!("{incomplete}1"), &format!("{incomplete}0"), &nine);
-    let cubic = [
-        "bar.yaml:3:9",
-        "the order is at most 2",
-        "Mesh.ElementOrder = 2;",
-    ];
-    assert_geo(
-        "Mesh.ElementOrder = order;",
-        "Mesh.ElementOrder = 3;",
-        &cubic,
-    );
-    // Before Gmsh is asked: the script offers two orders.
-    let choices = [
-        "bar.yaml:5:37",
-        "parameter 'order' of geo/bar.geo must be 1 or 2, not 3",
-    ];
-    assert_edit("order: 2", "order: 3", &choices);
     // The band is not meshed.
     let hidden =
         "\nHide { Surface{:}; } Show { Surface{70}; Surface{72}; }\nMesh.MeshOnlyVisible = 1;\n";
@@ -218,19 +135,6 @@ fn meshes_that_do_not_fit() {
 
 #[test]
 fn parameters_of_the_geometry() {
-    let unknown = [
-        "bar.yaml:5:",
-        "no parameter 'elment'",
-        "did you mean 'element'?",
-        "band_end",
-    ];
-    assert_edit("element: 50", "elment: 50", &unknown);
-    let rejected = [
-        "bar.yaml:5:26",
-        "element = 30 mm does not divide",
-        "order = 2",
-    ];
-    assert_edit("element: 50", "element: 30", &rejected);
     assert_edit(
         "element: 50",
         "element: big",
@@ -245,12 +149,6 @@ fn parameters_of_the_geometry() {
 
 #[test]
 fn materials() {
-    let stress = [
-        "bar.yaml:8:37",
-        "ν = 0.3",
-        "plane stress can only have ν = 1/3",
-    ];
-    assert_edit("poisson: 1/3", "poisson: 0.3", &stress);
     let strain = [
         "bar.yaml:8:37",
         "ν = 1/3",
@@ -262,37 +160,12 @@ fn materials() {
         "poisson: 0.6",
         &["bar.yaml:8:37", "not between -1 and 1/2"],
     );
-    assert_edit(
-        "100 GPa",
-        "-100 GPa",
-        &["bar.yaml:8:19", "not positive", "such as `30 GPa`"],
-    );
-    assert_edit(
-        "100 GPa",
-        "100 mm",
-        &["bar.yaml:8:19", "is a length", "must be a pressure"],
-    );
-    assert_edit(
-        "100 GPa",
-        "100 GPaa",
-        &["bar.yaml:8:19", "`GPaa` is not a unit", "kN/m"],
-    );
     assert_edit("100 GPa", "1e400 GPa", &["bar.yaml:8:19", "is not finite"]);
     assert_edit("100 GPa", ".nan", &["bar.yaml:8:19", "is not a number"]);
     assert_edit(
         "100 GPa",
         "[1, 2]",
         &["bar.yaml:8:19", "`materials.solid.young` is a list"],
-    );
-    let undefined = [
-        "bar.yaml:10:",
-        "material `sold` is not defined",
-        "did you mean `solid`?",
-    ];
-    assert_edit(
-        "model: fem, material: solid",
-        "model: fem, material: sold",
-        &undefined,
     );
     let lines = "materials:\n  solid: { young: 100 GPa, poisson: 1/3 }\n";
     assert_edit(
@@ -312,11 +185,6 @@ fn materials() {
 fn regions() {
     let small = ["bar.yaml:15:14", "less than 2", "`horizon: 4`"];
     assert_edit("horizon: 4", "horizon: 1.5", &small);
-    assert_edit(
-        "horizon: 4",
-        "horizon: 20 mm",
-        &["bar.yaml:15:14", "1.600 spacings"],
-    );
     assert_edit(
         "horizon: 4",
         "horizon: 1e9",
@@ -380,8 +248,6 @@ fn regions() {
         &["bar.yaml:16:", "origin"],
     );
     let fem = "- { group: [left, right], model: fem, material: solid }";
-    let overlap = ["bar.yaml:11:12", "`left+band` and `band` overlap: 16 cells"];
-    assert_edit("[left, right]", "[left, band]", &overlap);
     let left =
         "- { group: left, model: peridynamics, material: solid, spacing: 25 mm, horizon: 4 }";
     let lattices = [
@@ -399,16 +265,6 @@ fn regions() {
         "larger `spacing`",
     ];
     assert_edit("12.5 mm", "1e-9 mm", &tiny);
-    assert_edit(
-        "    spacing: 12.5 mm\n",
-        "",
-        &["bar.yaml:11:", "needs a `spacing`"],
-    );
-    assert_edit(
-        "model: fem",
-        "model: fem, horizon: 3",
-        &["bar.yaml:10:", "`horizon` belongs to"],
-    );
     let start = PIPELINE.find("regions:").expect("a key");
     let all = &PIPELINE[start..PIPELINE.find("coupling:").expect("a key")];
     assert_edit(all, "regions: []\n", &["bar.yaml:9:", "there is no region"]);
@@ -452,17 +308,11 @@ fn supports() {
 fn assert_plate(old: &str, new: &str, message: &[&str]) {
     let place = Workplace::with_plate();
     place.edit("plate.yaml", old, new);
-    assert_refused(&place, &["plate.yaml"], 2, message);
+    place.assert_refused(&["run", "plate.yaml"], 2, message);
 }
 
 #[test]
 fn cracks_and_loading() {
-    let crack = [
-        "plate.yaml:11:",
-        "no physical curve `crac`",
-        "mean `crack`?",
-    ];
-    assert_plate("cracks: [crack]", "cracks: [crac]", &crack);
     let surface = [
         "plate.yaml:11:",
         "no physical surface `bend`",
@@ -470,7 +320,6 @@ fn cracks_and_loading() {
     ];
     assert_plate("cracks: [crack]", "no_fail: [bend]", &surface);
     let zero = ["plate.yaml:15:", "must not be zero", "from 1 on"];
-    assert_plate("steps: 200", "steps: 0", &zero);
     assert_plate("steps: 200", "steps: 200, most_passes: 0", &zero);
     assert_plate(
         "every: 7",
@@ -504,7 +353,7 @@ fn programmes() {
             "steps: 200",
             &format!("steps: 200, {loading}"),
         );
-        assert_refused(&place, &["plate.yaml"], 2, message);
+        place.assert_refused(&["run", "plate.yaml"], 2, message);
     };
     let both = boundary(", phase: up", ", phase: up");
     let up = "phases: [{ name: up, to: 3 }]";
@@ -583,23 +432,6 @@ fn keys_and_values() {
         "plain:",
         &["bar.yaml:6:1", "unknown key `plain`", "mean `plane`?"],
     );
-    let horizn = [
-        "bar.yaml:15:5",
-        "unknown key `horizn` in `regions.1`",
-        "mean `horizon`?",
-    ];
-    assert_edit("horizon:", "horizn:", &horizn);
-    let stres = [
-        "bar.yaml:6:8",
-        "`plane` cannot be `stres`",
-        "There are: `stress`, `strain`",
-    ];
-    assert_edit("plane: stress", "plane: stres", &stres);
-    let twice = [
-        "bar.yaml:6:1",
-        "the key `name` is written twice, first in line 1",
-    ];
-    assert_edit("plane: stress", "name: rod", &twice);
     let solid = "  solid: { young: 100 GPa, poisson: 1/3 }\n";
     let twice = ["bar.yaml:9:3", "`solid` is written twice, first in line 8"];
     assert_edit(solid, &format!("{solid}{solid}"), &twice);
@@ -638,17 +470,6 @@ fn keys_and_values() {
         "1 m",
         &["bar.yaml:21:14", "such as `[1 m, 0]`"],
     );
-    let off = [
-        "bar.yaml:21:14",
-        "(1000, 100) m is off the body",
-        "a bare number is in metres",
-    ];
-    assert_edit("[1000 mm, 100 mm]", "[1000, 100]", &off);
-    assert_edit(
-        "coupling: truss",
-        "coupling: glue",
-        &["bar.yaml:16:11", "there are: `truss`, `clip`, `splice`"],
-    );
     let fields = [
         "bar.yaml:16:20",
         "`output.fields.0` cannot be `strss`",
@@ -674,6 +495,7 @@ fn values_from_the_command_line() {
     );
     let place = Workplace::new();
     let both = [
+        "run",
         "bar.yaml",
         "--set",
         "plane=stress",
@@ -684,16 +506,15 @@ fn values_from_the_command_line() {
         "`horizn` (by `--set regions.1.horizn=3`)",
         "did you mean `horizon`?",
     ];
-    assert_refused(&place, &both, 2, &blamed);
+    place.assert_refused(&both, 2, &blamed);
 }
 
 #[test]
 fn the_results_folder() {
     let place = Workplace::new();
     let unwritable = ["cannot create bar.yaml/bar", "`--results FOLDER`"];
-    assert_refused(
-        &place,
-        &["bar.yaml", "--results", "bar.yaml"],
+    place.assert_refused(
+        &["run", "bar.yaml", "--results", "bar.yaml"],
         1,
         &unwritable,
     );
@@ -702,7 +523,7 @@ fn the_results_folder() {
         "bar.yaml and copy.yaml both write to results/bar",
         "`name` of its own",
     ];
-    assert_refused(&place, &["bar.yaml", "copy.yaml"], 2, &shared);
+    place.assert_refused(&["run", "bar.yaml", "copy.yaml"], 2, &shared);
 }
 
 /// Nothing runs if one of several pipelines is bad.

@@ -41,6 +41,17 @@ pub struct GeoScript {
     pub warnings: Vec<String>,
     /// Where it does more than draw.
     pub deeds: Vec<Deed>,
+    /// Files that it names and that are not there.
+    pub absent: Vec<Named>,
+}
+
+/// A file that a script names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Named {
+    pub path: PathBuf,
+    /// Where it is named; lines count from 1.
+    pub file: PathBuf,
+    pub line: usize,
 }
 
 impl GeoScript {
@@ -63,7 +74,12 @@ impl GeoScript {
                 script.add_parameters(&file, &text);
                 script.add_warnings(&file, &text);
                 script.deeds.extend(deeds(&file, &text));
-                pending.extend(named_files(&file, &text));
+                let (there, absent): (Vec<Named>, Vec<Named>) = named_files(&file, &text)
+                    .into_iter()
+                    .partition(|named| named.path.is_file());
+                pending.extend(there.into_iter().map(|named| named.path));
+                pending.extend(options_file(&file));
+                script.absent.extend(absent);
             }
             script.files.push(file);
         }
@@ -318,13 +334,10 @@ impl Text {
     }
 }
 
-/// The existing files that a script names in the commands that read files, and the options file
-/// that Gmsh reads unasked (`x.geo.opt` for `x.geo`).
-fn named_files(file: &Path, text: &Text) -> Vec<PathBuf> {
+/// The files that a script names in the commands that read files.
+fn named_files(file: &Path, text: &Text) -> Vec<Named> {
     let folder = file.parent().unwrap_or(Path::new(""));
-    let mut options = file.as_os_str().to_owned();
-    options.push(".opt");
-    let mut files = vec![PathBuf::from(options)];
+    let mut files = Vec::new();
     for command in [
         "Include",
         "Merge",
@@ -335,15 +348,22 @@ fn named_files(file: &Path, text: &Text) -> Vec<PathBuf> {
         for at in text.words(command) {
             let length = text.code[at.end..].find(';');
             let end = length.map_or(text.code.len(), |length| at.end + length);
-            files.extend(
-                text.strings(at.end..end)
-                    .iter()
-                    .map(|name| folder.join(name)),
-            );
+            let named = |name: &&str| Named {
+                path: folder.join(name),
+                file: file.to_owned(),
+                line: text.line(at.start),
+            };
+            files.extend(text.strings(at.end..end).iter().map(named));
         }
     }
-    files.retain(|file| file.is_file());
     files
+}
+
+/// The options file that Gmsh reads unasked: `x.geo.opt` for `x.geo`.
+fn options_file(file: &Path) -> Option<PathBuf> {
+    let mut options = file.as_os_str().to_owned();
+    options.push(".opt");
+    Some(PathBuf::from(options)).filter(|options| options.is_file())
 }
 
 /// What Gmsh reads as data. Everything else that is merged it takes for a script, whatever it is called.

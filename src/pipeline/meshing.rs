@@ -45,7 +45,7 @@ pub(super) fn gmsh_error(plan: &Plan, error: GmshError) -> RunError {
         | GmshError::ParameterValue { name, .. } => (format!("geometry/parameters/{name}"), None),
         GmshError::Failed { errors, .. } => match blamed_parameter(plan, errors) {
             Some(name) => (format!("geometry/parameters/{name}"), parameters_help(plan)),
-            None => ("geometry/file".to_owned(), None),
+            None => ("geometry/file".to_owned(), script_help(errors)),
         },
         GmshError::Deed(_) => {
             let help = "remove it; if you know where the file comes from, let it: `--trust-geometry`, or \
@@ -67,6 +67,21 @@ fn blamed_parameter<'a>(plan: &'a Plan, errors: &[gmsh::Message]) -> Option<&'a 
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     let mut words = error.text.split(|c| !is_word(c));
     words.find_map(|word| plan.geometry.parameters.keys().find(|name| *name == word))
+}
+
+/// What helps with the first of Gmsh's errors.
+fn script_help(errors: &[gmsh::Message]) -> Option<String> {
+    let first = errors.first()?;
+    if first.text.starts_with("Unable to open") {
+        return Some("files are sought beside the one that names them".to_owned());
+    }
+    let line = first.line?;
+    first.text.starts_with("syntax error").then(|| {
+        let before = line.saturating_sub(1).max(1);
+        format!(
+            "look at the lines {before} and {line} for a semicolon, a bracket or a quote that lacks"
+        )
+    })
 }
 
 fn foreign_help() -> Option<String> {

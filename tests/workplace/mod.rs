@@ -163,6 +163,24 @@ impl Workplace {
         self.write(name, text.replace(old, new));
     }
 
+    /// The program fails with `code` and one message, which has every part of `message`; not a byte has
+    /// changed.
+    #[track_caller]
+    pub fn assert_refused(&self, arguments: &[&str], code: i32, message: &[&str]) {
+        let before = self.snapshot();
+        let Ended {
+            code: ended, err, ..
+        } = self.call(arguments);
+        assert_eq!(ended, Some(code), "{err}");
+        for part in message {
+            assert!(err.contains(part), "{part:?} is not in\n{err}");
+        }
+        assert_eq!(err.matches("  × ").count(), 1, "one message, not\n{err}");
+        assert!(!err.contains("panicked"), "{err}");
+        assert_eq!(self.snapshot(), before);
+        assert!(!self.path("results").exists());
+    }
+
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(BINARY);
         command

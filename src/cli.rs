@@ -19,7 +19,7 @@ use crate::pipeline::parameters::parameter_lines;
 use crate::pipeline::plan::Plan;
 use crate::pipeline::run::{Options, RunError, Standing, discretised, standings};
 use crate::pipeline::source::InputError;
-use crate::pipeline::{schema, yaml};
+use crate::pipeline::{reference, schema, yaml};
 use crate::statics::{Estimate, Method};
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::collections::BTreeMap;
@@ -138,8 +138,12 @@ enum Command {
         #[arg(long)]
         markdown: bool,
     },
-    /// Print the JSON schema of a pipeline, for editors
-    Schema,
+    /// Print the JSON schema of a pipeline, for editors, or the reference of its keys
+    Schema {
+        /// The reference as a page in Markdown
+        #[arg(long)]
+        markdown: bool,
+    },
     /// Print what a shell needs to complete commands and options
     #[command(after_help = COMPLETIONS_HELP)]
     Completions {
@@ -226,7 +230,8 @@ fn command() -> ExitCode {
             json,
             markdown,
         } => return verify::verify(quick, json, markdown),
-        Command::Schema => print(&schema::text()),
+        Command::Schema { markdown: true } => print(&reference::text()),
+        Command::Schema { markdown: false } => print(&schema::text()),
         Command::Completions { shell } => {
             let mut text = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "peristitch", &mut text);

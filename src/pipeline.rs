@@ -26,6 +26,7 @@ pub mod quantity;
 mod reader;
 mod recipe;
 mod reel;
+pub mod reference;
 pub mod report;
 pub mod results;
 pub mod run;

@@ -61,6 +61,13 @@ fn the_schema_takes_what_the_program_takes() {
         kept.expect("there") == schema,
         "peristitch schema > docs/pipeline.schema.json"
     );
+    let page = place.call(&["schema", "--markdown"]).succeeded().out;
+    let kept = std::fs::read_to_string(repository().join("docs/pipeline_reference.md"));
+    assert!(
+        kept.expect("there") == page,
+        "peristitch schema --markdown > docs/pipeline_reference.md"
+    );
+    assert!(!page.contains("|  |\n"), "a key without a meaning");
     place.write("schema.json", schema);
     place.call(&["new", "fresh"]).succeeded();
 

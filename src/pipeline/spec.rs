@@ -15,35 +15,50 @@ use std::fmt;
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spec {
-    /// Results go to `results/NAME/`.
+    /// Results go to `results/NAME/`; letters, digits, `_`, `-`, `.`, not beginning with a dot.
     pub name: String,
+    /// The file that is meshed or read.
     pub geometry: Geometry,
+    /// `stress`: σ_zz = 0; `strain`: ε_zz = 0.
     #[serde(default)]
     pub plane: Plane,
+    /// h_t; forces and reactions are for this thickness. Unit: m.
     #[serde(default = "one_metre")]
     pub thickness: Scalar,
+    /// One entry for each material, under a name of your choice.
     pub materials: BTreeMap<String, Material>,
+    /// Which surfaces are what.
     pub regions: Vec<Region>,
-    /// Physical curves that sever the bonds they meet.
+    /// Physical curves that sever bonds and trusses from the start ([rule](pipeline.md#cracks)).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cracks: Vec<String>,
-    /// Physical surfaces in which no bond breaks.
+    /// Physical surfaces: a bond or truss with an end at a material point in one of them never
+    /// breaks.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub no_fail: Vec<String>,
+    /// How interface nodes are tied to material points: `truss` (the paper's; [settings](#truss)), `clip`
+    /// (bonds end where they cross the interface), `splice` (nodes and points follow each other in an overlap).
+    /// [Which one](howto.md).
     #[serde(default)]
     pub coupling: Coupling,
+    /// Supports and loads; at least one displacement.
     pub boundary: Vec<Boundary>,
-    /// Acts on all regions whose material has a density.
+    /// `{ y: -9.81 m/s^2 }`: the weight of every region whose material has a `density`. As all loads
+    /// it grows with λ, in its `phase` where there are phases.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Gravity>,
-    /// Absent: one elastic solve.
+    /// How the load grows while bonds break ([fracture](pipeline.md#fracture)). By default: one
+    /// elastic solve.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loading: Option<Loading>,
+    /// Displacements to report, under names of your choice.
     #[serde(default)]
     pub probes: BTreeMap<String, Probe>,
+    /// What is written.
     #[serde(default)]
     pub output: Output,
-    /// A study: values to run the rest of the file with.
+    /// A [study](pipeline.md#studies): values to run the rest of the file with, by `peristitch
+    /// sweep`; `run` takes no notice of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sweep: Option<Sweep>,
 }
@@ -55,15 +70,18 @@ fn one_metre() -> Scalar {
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Geometry {
-    /// A `.geo` or `.msh`, relative to the pipeline file.
+    /// `.geo`, `.geo_unrolled`, `.brep`, `.step`, `.stp`: meshed by Gmsh in two dimensions. `.msh`
+    /// (2.2, 4.1): taken as it is. `.inp`, `.bdf`, `.nas`, `.fem`, `.med`, `.vtu`, `.vtk`: [meshes of
+    /// other programs](pipeline.md#meshes-of-other-programs).
     pub file: String,
-    /// The length that 1 stands for in the file.
+    /// What 1 is in the file: `mm`.
     #[serde(default = "metre")]
     pub unit: String,
-    /// `DefineConstant` values of the `.geo`.
+    /// Values for the variables that a `.geo` defines by `DefineConstant[…]` or asks for by
+    /// `Exists(…)`; plain numbers, in the geometry's own unit.
     #[serde(default)]
     pub parameters: BTreeMap<String, Scalar>,
-    /// Let the `.geo` run programs and write files.
+    /// Whether a `.geo` may [run programs and write files](pipeline.md#a-geo-is-code).
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub trust: bool,
 }
@@ -83,14 +101,24 @@ pub enum Plane {
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
+    /// Young's modulus E > 0. Unit: Pa.
     pub young: Scalar,
+    /// Poisson's ratio, −1 < ν < 1/2. Under peridynamic regions 1/3 in plane stress, 1/4 in plane
+    /// strain, within 1e-6.
     pub poisson: Scalar,
+    /// f_t > 0: a bond breaks at a stretch above f_t/E. Unit: Pa.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tensile_strength: Option<Scalar>,
+    /// f_c > 0: a bond breaks at a stretch below −f_c/E; beside `tensile_strength`. By default:
+    /// compression breaks nothing. Unit: Pa.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compressive_strength: Option<Scalar>,
+    /// G0 > 0: a bond breaks at a stretch above √(G0/(c0 M3)), scaled by the lattice's own energy
+    /// release rate where `micromodulus` is `isotropised`
+    /// ([how](method.md#isotropised-micromodulus)); instead of the strengths. Unit: J/m².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_release_rate: Option<Scalar>,
+    /// ρ > 0, for `gravity`. Unit: kg/m³.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density: Option<Scalar>,
 }
@@ -98,30 +126,54 @@ pub struct Material {
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
-    /// One physical surface, or several that form one region.
+    /// Physical surfaces; a list forms one region. Surfaces in no region are left out of the body.
     pub group: Names,
+    /// `fem` or `peridynamics`.
     pub model: RegionModel,
+    /// A key of `materials`.
     pub material: String,
+    /// dx of the lattice. Unit: m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spacing: Option<Scalar>,
+    /// δ: without a unit in spacings (`4`), with one a length (`10 mm`); 2 to 20 spacings. Unit:
+    /// spacings, or m with a unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub horizon: Option<Scalar>,
+    /// g(ξ/δ): `quartic`, `constant`, `linear`, `parabolic`, `inverse`
+    /// ([table](method.md#1-kernel-and-micromodulus)). Default: `quartic`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kernel: Option<Kernel>,
+    /// `cell-centred`: no point on the boundary; `grid-nodes`: first and last rows on it. Default:
+    /// `cell-centred`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub points: Option<Points>,
-    /// From the x axis to the lattice's, such as `20 deg`.
+    /// Of the lattice's first axis to x, counter-clockwise: `20 deg`, or radians. By default that of
+    /// the straight sides which, with those at right angles to them, are the longest, so that a
+    /// turned rectangle has a turned lattice; 0 where there are none
+    /// ([rule](method.md#4-material-points)). `angle: 0` keeps it upright. Regions that touch have
+    /// one lattice, and an angle that one of them gives holds for all. Unit: rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<Scalar>,
-    /// A corner of the lattice's squares.
+    /// A corner of the lattice's squares: `[0 mm, 0.2 mm]`. By default: lower left of the region's
+    /// box, seen along the lattice; where dx does not divide the box, such that both ends are cut
+    /// alike. Unit: m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub origin: Option<[Scalar; 2]>,
+    /// `clipped`: the areas sum to the region's; `full`: dx² each, as the paper. Default: `clipped`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cell_area: Option<CellArea>,
+    /// Share of a neighbour at the edge of the horizon: `full` (FA, the paper's) or `hhb`. Default:
+    /// `full`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub partial_area: Option<PartialArea>,
+    /// `isotropised`: c(ξ) with two coefficients that give the lattice the material's moduli in every
+    /// direction ([equations](method.md#isotropised-micromodulus)); `raw`: without, as the paper.
+    /// Default: `isotropised`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub micromodulus: Option<Micromodulus>,
+    /// Stiffness of bonds near free surfaces ([equations](method.md#surface-correction)): `none` (the
+    /// paper's), `volume`, `energy`, `force`, `least-squares` (exact in tension along edges parallel
+    /// to the lattice). Default: `force`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surface_correction: Option<SurfaceCorrection>,
 }
@@ -195,10 +247,11 @@ const COUPLINGS: &[&str] = &["truss", "clip", "splice"];
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Truss {
-    /// `lumped`, `half-edge` or an area.
+    /// A_FE: `lumped`, `half-edge` ([definitions](method.md#6-truss-coupling)), or one area for all
+    /// nodes, such as `12.5 mm^2`. Unit: m².
     #[serde(default = "lumped")]
     pub node_area: Scalar,
-    /// Whether trusses break as bonds do.
+    /// Whether a truss breaks, by the limit of the material at its point.
     #[serde(default)]
     pub breakable: bool,
 }
@@ -291,23 +344,29 @@ impl<'de> Deserialize<'de> for Coupling {
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Boundary {
-    /// A physical curve or point; for `body_force` a surface.
+    /// A physical curve or point ([what it acts on](method.md#7-supports-and-loads)); for
+    /// `body_force` a surface.
     #[serde(deserialize_with = "name")]
     #[schemars(schema_with = "name_schema")]
     pub group: String,
+    /// Prescribed components; what is not named is free. Unit: m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Displacement>,
+    /// Force per area in fixed directions; what is not named is 0. Curves only. Unit: Pa.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub traction: Option<Components>,
+    /// Acts against the outward normal; negative pulls. Curves only. Unit: Pa.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Scalar>,
-    /// In all, on a curve or a point.
+    /// In all, on a curve (shared along it) or on a point. In a peridynamic region a force on a point
+    /// is spread over the points within δ ([how](method.md#7-supports-and-loads)). Unit: N.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub force: Option<Components>,
-    /// Per volume, on a surface.
+    /// On a physical surface. Unit: N/m³.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body_force: Option<Components>,
-    /// The phase of `loading.phases` that applies it; absent: a support in all of them.
+    /// The phase of `loading.phases` that applies it; the other phases hold its displacements where
+    /// they are. Without it: a support, the same in all phases.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<String>,
 }
@@ -315,8 +374,10 @@ pub struct Boundary {
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Components {
+    /// Along x.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub x: Option<Scalar>,
+    /// Along y.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub y: Option<Scalar>,
 }
@@ -325,14 +386,21 @@ pub struct Components {
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Displacement {
+    /// Along x, or along x turned by `angle`. Unit: m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub x: Option<Scalar>,
+    /// Along y, or along y turned by `angle`. Unit: m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub y: Option<Scalar>,
+    /// Turns the directions of `x` and `y` counter-clockwise: `{ y: 0, angle: 30 deg }` is a roller
+    /// on a slope of 30°. Default: 0. Unit: rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<Scalar>,
+    /// Along the curve's outward normal, instead of `x` and `y`: `{ normal: 0 }` is a roller on a curve.
+    /// Unit: m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal: Option<Scalar>,
+    /// Along the curve with the body on the left, instead of `x` and `y`. Unit: m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tangential: Option<Scalar>,
 }
@@ -340,10 +408,13 @@ pub struct Displacement {
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gravity {
+    /// Acceleration along x. Unit: m/s².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub x: Option<Scalar>,
+    /// Acceleration along y, such as `-9.81 m/s^2`. Unit: m/s².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub y: Option<Scalar>,
+    /// The phase of `loading.phases` in which the weight grows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<String>,
 }
@@ -352,24 +423,27 @@ pub struct Gravity {
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Loading {
+    /// `one-pass`, `equilibrium` or `event-driven` ([controls](pipeline.md#controls)).
     pub control: Control,
-    /// Load steps, or events.
+    /// The most load steps, or events, from 1 on.
     pub steps: usize,
+    /// `separated`: ends earlier, when the force falls under 2 % of its peak; `steps`: does not.
     #[serde(default)]
     pub until: Until,
-    /// Under `control: equilibrium`, passes at one load.
+    /// Under `equilibrium`, solves at one load.
     #[serde(default = "most_passes")]
     pub most_passes: usize,
-    /// Δλ of a load step.
+    /// Δλ of a load step. Default: `1`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub increment: Option<Scalar>,
-    /// λ at which the run ends.
+    /// λ at which the run ends; the last step is as short as it must be.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<Scalar>,
-    /// One after the other; absent: one, of all that `boundary` says.
+    /// A [programme](pipeline.md#programmes) of several phases; `increment` and `to` then stand in
+    /// the phases.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub phases: Vec<Phase>,
-    /// What others found, to be shown beside the result.
+    /// Load steps that another source reports, printed beside the result.
     #[serde(default, skip_serializing_if = "ReferenceSteps::is_empty")]
     pub reference: ReferenceSteps,
 }
@@ -378,11 +452,12 @@ pub struct Loading {
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Phase {
+    /// What `boundary` calls it.
     pub name: String,
-    /// Δλ of a load step.
+    /// Δλ of a load step. Default: `1`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub increment: Option<Scalar>,
-    /// λ at the phase's end; only the last phase may do without.
+    /// λ at the phase's end, where the next one begins; only the last phase may do without.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<Scalar>,
 }
@@ -391,8 +466,10 @@ pub struct Phase {
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReferenceSteps {
+    /// The load step of the first break.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_break: Option<usize>,
+    /// The load step at which the body is in two.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub separated: Option<usize>,
 }
@@ -427,10 +504,12 @@ pub enum Until {
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Probe {
-    /// The nearest node or material point is read.
+    /// Must lie in the box around the body; the nearest element node or material point is read, and
+    /// `summary.json` tells where that is. Unit: m.
     pub at: [Scalar; 2],
+    /// `x` or `y`.
     pub component: Component,
-    /// What it should be.
+    /// What it should be: the error against it is reported. Unit: m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference: Option<Scalar>,
 }
@@ -445,21 +524,26 @@ pub enum Component {
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
+    /// Of `displacement`, `stress`, `strain`.
     pub fields: Vec<OutputField>,
-    /// A frame at every so many steps; the first break and the end always have one.
+    /// Of a fracture run: a frame at every so many steps. The start, the first break and the end
+    /// always have one.
     pub every: usize,
-    /// Write bonds and trusses as lines with their stretch.
+    /// Write bonds and trusses as lines.
     pub bonds: bool,
-    /// Which pictures are drawn: `true`, the usual ones, `false`, none, or a list.
+    /// Which pictures are drawn: of `mesh`, `displacement-x`, `displacement-y`, `stress-xx`,
+    /// `stress-yy`, `stress-xy`, `principal-stress` (the largest), `von-mises`, `damage`,
+    /// `load-displacement`, `energies`. `true`: all but `von-mises`.
     pub pictures: Pictures,
-    /// Steps of a fracture run whose damage is drawn; they have a frame.
+    /// Steps of a fracture run whose damage is drawn, as `damage_000057.png`; they have a frame,
+    /// whatever `every` says. A step that the run does not come to gives a note.
     pub pictures_at: Vec<usize>,
-    /// Of the pictures.
+    /// Of the pictures: `png`, `svg`.
     pub formats: Vec<Format>,
-    /// The damage of a fracture run's frames as a film; as `pictures` where it is not said.
+    /// Of a fracture run: `crack.gif`. Default: as `pictures`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub animation: Option<bool>,
-    /// All of it on one page; as `pictures` where it is not said.
+    /// `report.html`. Default: as `pictures`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub report: Option<bool>,
 }
@@ -508,8 +592,9 @@ pub enum OutputField {
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sweep {
-    /// What is varied, such as `regions.1.spacing`, and over which values.
+    /// What is varied, as `--set` names it, and the values.
     pub over: BTreeMap<String, Values>,
+    /// `crossed`: every value with every other; `zipped`: the first of each, the second of each.
     #[serde(default)]
     pub combine: Combine,
 }
@@ -537,9 +622,13 @@ pub enum Values {
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Range {
+    /// The first value.
     pub from: Scalar,
+    /// The last value.
     pub to: Scalar,
+    /// How many, both ends included.
     pub count: usize,
+    /// What is equal between neighbours: `linear`: the difference; `log`: the ratio.
     #[serde(default)]
     pub scale: Scale,
 }

@@ -132,9 +132,11 @@ fn points_in(outline: &Outline) -> Lattice {
 fn check(outline: &Outline, m: f64) -> Result<(), TestCaseError> {
     let points = points_in(outline);
     let sum: f64 = points.areas.iter().sum();
-    // Some hundred cells of rounding errors of 1e-16.
+    // Some hundred cells of rounding errors of 1e-16; and a cell of which less than 1e-9 lacks counts as whole, so
+    // that rough meshes give even areas: with sides on multiples of the unit that is a corner, one for each side.
+    let nicks = 1e-9 * SPACING * SPACING * outline.segments().count() as f64;
     prop_assert!(
-        (sum / outline.area() - 1.0).abs() < 1e-12,
+        (sum - outline.area()).abs() < 1e-12 * outline.area() + nicks,
         "{} {}",
         sum,
         outline.area()

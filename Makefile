@@ -14,6 +14,7 @@ help:
 	@echo 'make bench  benchmarks'
 	@echo 'make bench-solvers  the linear solver beside CHOLMOD, MUMPS and MKL PARDISO, which this installs; half an hour'
 	@echo 'make audit  licences, sources and doubles of all that is linked, by cargo-deny'
+	@echo 'make hashes  the hashes of the Python packages, after a change of their versions'
 	@echo 'make lint   formatting, clippy and documentation without a warning'
 
 run:
@@ -42,6 +43,14 @@ audit:
 	cargo deny check licenses bans sources $(ADVISORIES)
 	cargo test $(CARGO_FLAGS) --test supply
 
+# uv: `pip install uv`.
+hashes:
+	@echo '# Written by `make hashes`: the packages of requirements.txt and snakemake.txt with the hashes of their files.' \
+		> tests/python/hashes.txt
+	@grep -hE '^[A-Za-z]' tests/python/requirements.txt tests/python/snakemake.txt | \
+		uv pip compile --quiet --universal --no-deps --generate-hashes --no-header --no-annotate \
+		--python-version 3.11 - >> tests/python/hashes.txt
+
 # Minutes to an hour: many inputs, kills and runs; the tests do the same with few.
 reliability:
 	@bash .ci/setup test
@@ -62,4 +71,4 @@ doc: export RUSTDOCFLAGS = --deny warnings
 doc:
 	cargo doc $(CARGO_FLAGS) --no-deps
 
-.PHONY: help run test setup bench bench-solvers audit reliability lint format clippy doc
+.PHONY: help run test setup bench bench-solvers audit hashes reliability lint format clippy doc

@@ -1,5 +1,5 @@
 //! What is linked into the program: licences, where it comes from, what is there twice; Python packages
-//! pinned; and where the code is `unsafe`. From `cargo metadata`, so that neither network nor tool is needed;
+//! pinned with their hashes; and where the code is `unsafe`. From `cargo metadata`, so that neither network nor tool is needed;
 //! `make audit` asks cargo-deny as well.
 
 use serde_json::Value;
@@ -135,24 +135,48 @@ fn nothing_new_is_there_twice() {
     assert!(new.is_empty(), "{new:?}");
 }
 
+/// `name==version` of each package in a list of Python packages, names written as PyPI compares them.
+fn pins(list: &str) -> BTreeSet<String> {
+    let lines = list
+        .lines()
+        .filter(|line| line.starts_with(char::is_alphanumeric));
+    lines
+        .map(|line| {
+            let pin = line.trim_end_matches('\\').trim();
+            let (name, version) = pin
+                .split_once("==")
+                .unwrap_or_else(|| panic!("no version: {line}"));
+            format!(
+                "{}=={version}",
+                name.to_lowercase().replace(['_', '.'], "-")
+            )
+        })
+        .collect()
+}
+
+/// `.ci/setup` installs from hashes.txt alone.
 #[test]
-fn python_packages_are_pinned() {
-    let files = std::fs::read_dir(repository().join("tests/python")).expect("a folder");
-    let mut pins = 0;
-    for file in files.flatten().map(|entry| entry.path()) {
-        if file.extension().is_none_or(|extension| extension != "txt") {
-            continue;
-        }
-        for line in std::fs::read_to_string(&file).expect("readable").lines() {
-            let line = line.trim();
-            if line.is_empty() || line.starts_with(['#', '-']) {
-                continue;
-            }
-            assert!(line.contains("=="), "{}: {line}", file.display());
-            pins += 1;
-        }
+fn python_packages_are_pinned_with_hashes() {
+    let hashes = text("tests/python/hashes.txt");
+    let [asked, snakemake] = ["requirements.txt", "snakemake.txt"]
+        .map(|file| pins(&text(&format!("tests/python/{file}"))));
+    let asked: BTreeSet<String> = asked.union(&snakemake).cloned().collect();
+    assert!(asked.len() > 50);
+    assert_eq!(
+        asked,
+        pins(&hashes),
+        "`make hashes` brings hashes.txt up to date"
+    );
+    let joined = hashes.replace("\\\n", " ");
+    for package in joined.lines().filter(|line| !line.starts_with('#')) {
+        let hashes: Vec<&str> = package
+            .split("--hash=sha256:")
+            .skip(1)
+            .map(str::trim)
+            .collect();
+        assert!(!hashes.is_empty(), "{package}");
+        assert!(hashes.iter().all(|hash| hash.len() == 64), "{package}");
     }
-    assert!(pins > 0);
 }
 
 /// The two files that docs/architecture.md names.

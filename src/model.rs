@@ -4,34 +4,31 @@
 //! region. Immutable once built.
 
 pub mod bodies;
+mod check;
 pub mod node_axes;
+mod points;
 mod splice;
+mod trusses;
 
 use crate::assembly::ElementStiffness;
 use crate::coupling::Coupling;
-use crate::coupling::clip::side::Side;
-use crate::coupling::clip::{self, FamilyShare, clip};
+use crate::coupling::clip::FamilyShare;
 use crate::coupling::splice::SpliceError;
-use crate::coupling::truss::{InterfaceNode, NodeArea, trusses};
 use crate::cracks::Cracks;
 use crate::fem::element;
 use crate::geometry::{Outline, chords};
 use crate::material::{Material, PlaneState};
 use crate::mesh::{Cell, Edge, Mesh};
 use crate::peridynamics::axes::Axes;
-use crate::peridynamics::bonds::bonds;
 use crate::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
-use crate::peridynamics::lattice::{
-    Lattice, LatticeSettings, Neighbourhood, ON_BOUNDARY, lattice_beside,
-};
-use crate::peridynamics::surface::{Surface, SurfaceCorrection, SurfaceError};
-use crate::peridynamics::visibility::Visibility;
-use crate::phases::machine_memory;
+use crate::peridynamics::lattice::LatticeSettings;
+use crate::peridynamics::surface::{SurfaceCorrection, SurfaceError};
 use crate::springs::Springs;
 use rayon::prelude::*;
-use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 use thiserror::Error;
+
+use check::{check_cells, check_jacobian};
 
 pub use node_axes::NodeAxes;
 pub use splice::Splice;
@@ -110,11 +107,20 @@ pub struct PointRegion {
     pub region: usize,
     /// Their nodes.
     pub nodes: Range<usize>,
+    /// The lattice's.
+    pub axes: Axes,
     /// Of the first region's material.
     pub micromodulus: Micromodulus,
     /// The regions' outline, and its area |Ω| [m²].
     pub outline: Outline,
     pub area: f64,
+}
+
+impl PointRegion {
+    /// The first side of a point's square, as a vector [m].
+    pub fn side(&self) -> [f64; 2] {
+        self.axes.global([self.micromodulus.spacing, 0.0])
+    }
 }
 
 /// Everything left of the stiffness matrix.
@@ -203,9 +209,6 @@ pub enum ModelError {
         source: SurfaceError,
     },
 }
-
-/// More material points than these are a slip of the pen: their factor takes terabytes.
-const MOST_POINTS: f64 = 1e7;
 
 impl Model {
     /// # Errors
@@ -407,245 +410,6 @@ impl Model {
         Ok(())
     }
 
-    fn add_material_points(&mut self) -> Result<(), ModelError> {
-        let fe_nodes = self.fe_node_count();
-        for index in 0..self.regions.len() {
-            let region = &self.regions[index];
-            let Method::Peridynamics(settings) = region.method else {
-                continue;
-            };
-            if self.leader[index] != index {
-                continue;
-            }
-            let outline = Outline::of_cells(&self.mesh, &self.lattice_cells(index));
-            let axes = settings.lattice.axes();
-            let turned = axes.outline(&outline);
-            check_count(region, &turned, &settings)?;
-            let mut lattice = self.lattice(index, &turned, &settings.lattice);
-            if self.splice.is_some() && !self.interface_segments(index).is_empty() {
-                // The lattice goes on behind the interface: it cuts no cell.
-                let sites = self.sites(&turned, &settings);
-                let dx = settings.lattice.spacing;
-                let positions = lattice.positions.iter();
-                let shares = positions.map(|&x| sites.shares[sites.nearest(x)]);
-                lattice.areas = shares.map(|share| share * dx * dx).collect();
-            }
-            let [low, high] = turned.bounds();
-            let is_larger = (0..2).all(|k| settings.lattice.spacing > high[k] - low[k]);
-            if lattice.positions.is_empty() || is_larger {
-                return Err(ModelError::NoMaterialPoint {
-                    region: region.name.clone(),
-                });
-            }
-            let micromodulus = settings.micromodulus(&region.material, self.settings.plane);
-            let first = fe_nodes + self.areas.len();
-            let Lattice {
-                positions, areas, ..
-            } = &lattice;
-            let thickness = self.settings.thickness;
-            let visibility = self.visibility(&axes, &micromodulus);
-            let first_node = first as u32;
-            let mut bonds = bonds(&lattice, &micromodulus, thickness, first_node, &visibility);
-            let surface = self.surface(region, &turned, &settings, &micromodulus, &visibility)?;
-            if let Some(surface) = &surface {
-                surface.correct(&mut bonds, positions, first as u32);
-            }
-            if self.settings.coupling == Coupling::Clip {
-                let clipped = clip(&clip::Region {
-                    outline: &turned,
-                    sides: &self.sides(index, &axes),
-                    index: &lattice.index,
-                    axes,
-                    areas,
-                    micromodulus: &micromodulus,
-                    surface: surface.as_ref(),
-                    visibility: &visibility,
-                    thickness,
-                    first_node: first as u32,
-                });
-                let first = first as u32;
-                bonds.retain_pairs(|pair| {
-                    let pair = pair.map(|node| node - first);
-                    clipped.replaced.binary_search(&pair).is_err()
-                });
-                let before = self.springs.len() - self.springs.pairs().len();
-                self.clipped
-                    .extend(clipped.shares.iter().map(|share| FamilyShare {
-                        spring: before as u32 + share.spring,
-                        ..*share
-                    }));
-                self.clipped_from.extend(clipped.bond_lengths);
-                bonds.append(clipped.springs);
-            }
-            let positions: Vec<[f64; 2]> = positions.iter().map(|&x| axes.global(x)).collect();
-            let areas = lattice.areas;
-            self.springs.append(bonds);
-            self.points.push(PointRegion {
-                region: index,
-                nodes: first..first + positions.len(),
-                micromodulus,
-                area: outline.area(),
-                outline,
-            });
-            self.region_of.extend(self.label(index, &positions));
-            self.positions.extend(positions);
-            self.areas.extend(areas);
-        }
-        self.bond_count = self.springs.pairs().len();
-        Ok(())
-    }
-
-    /// The material points of a region, along the lattice's axes.
-    fn lattice(&self, region: usize, turned: &Outline, settings: &LatticeSettings) -> Lattice {
-        let axes = settings.axes();
-        let segments = self.interface_segments(region).into_iter();
-        let interface: Vec<_> = segments.map(|s| s.map(|x| axes.local(x))).collect();
-        let body = axes.outline(&self.body_outline());
-        let is_clip = self.settings.coupling == Coupling::Clip;
-        let neighbourhood = Neighbourhood {
-            interface: &interface,
-            clearance: if is_clip {
-                clip::CLEARANCE
-            } else {
-                ON_BOUNDARY
-            },
-            body: is_clip.then_some(&body),
-        };
-        lattice_beside(turned, &neighbourhood, &settings.along_axes())
-    }
-
-    /// The sides of a region's outline, with the region on the left, along the lattice's axes.
-    fn sides(&self, region: usize, axes: &Axes) -> Vec<Side> {
-        let interface: HashSet<[usize; 2]> = self
-            .interfaces_of(region)
-            .flat_map(|i| i.edges.iter().map(Edge::key))
-            .collect();
-        let position = |node: usize| axes.local(self.mesh.nodes[node]);
-        let side = |edge: Edge| Side {
-            ends: edge.ends.map(position),
-            middle: edge.middle.map(position),
-            nodes: if interface.contains(&edge.key()) {
-                edge.nodes().filter_map(|node| self.node_of[node]).collect()
-            } else {
-                Vec::new()
-            },
-        };
-        let edges = self.mesh.outline(&self.lattice_cells(region));
-        edges.into_iter().map(side).collect()
-    }
-
-    /// The factors of a region's bonds near free surfaces, if it is to be corrected. `turned`: the
-    /// region's outline along the lattice's axes.
-    fn surface(
-        &self,
-        region: &Region,
-        turned: &Outline,
-        settings: &PeridynamicSettings,
-        micromodulus: &Micromodulus,
-        visibility: &Visibility,
-    ) -> Result<Option<Surface>, ModelError> {
-        if settings.surface_correction == SurfaceCorrection::None {
-            return Ok(None);
-        }
-        let surface = Surface::new(
-            settings.surface_correction,
-            turned,
-            &settings.lattice.axes().outline(&self.body_outline()),
-            &settings.lattice.along_axes(),
-            micromodulus,
-            visibility,
-        );
-        surface.map(Some).map_err(|source| ModelError::Surface {
-            region: region.name.clone(),
-            source,
-        })
-    }
-
-    /// What the points of a lattice see of each other, along its axes.
-    pub fn visibility(&self, axes: &Axes, micromodulus: &Micromodulus) -> Visibility {
-        let body = axes.outline(&self.body_outline());
-        Visibility::new(&body, micromodulus.spacing, micromodulus.reach())
-    }
-
-    /// The outline of all regions together.
-    fn body_outline(&self) -> Outline {
-        let mut cells: Vec<usize> = self.regions.iter().flat_map(|r| r.cells.clone()).collect();
-        cells.sort_unstable();
-        Outline::of_cells(&self.mesh, &cells)
-    }
-
-    fn interface_segments(&self, region: usize) -> Vec<[[f64; 2]; 2]> {
-        let edges = self.interfaces_of(region).flat_map(|i| &i.edges);
-        edges
-            .flat_map(|edge| {
-                let points = chords(edge, &self.mesh.nodes);
-                (1..points.len())
-                    .map(move |k| [points[k - 1], points[k]])
-                    .collect::<Vec<_>>()
-            })
-            .collect()
-    }
-
-    fn add_trusses(&mut self, node_area: NodeArea) {
-        let lumped = self.lumped_areas();
-        for points in &self.points {
-            let ends = self.interface_nodes(points, &lumped, node_area);
-            let fe_nodes = self.positions.len() - self.areas.len();
-            let range = points.nodes.start - fe_nodes..points.nodes.end - fe_nodes;
-            let Method::Peridynamics(settings) = self.regions[points.region].method else {
-                continue;
-            };
-            let axes = settings.lattice.axes();
-            let visibility = self.visibility(&axes, &points.micromodulus);
-            let positions = self.positions[points.nodes.clone()].iter();
-            let positions: Vec<[f64; 2]> = positions.map(|&x| axes.local(x)).collect();
-            let local = |end: InterfaceNode| InterfaceNode {
-                position: axes.local(end.position),
-                ..end
-            };
-            let ends: Vec<InterfaceNode> = ends.into_iter().map(local).collect();
-            self.springs.append(trusses(
-                &ends,
-                &positions,
-                &self.areas[range],
-                &points.micromodulus,
-                self.settings.thickness,
-                points.nodes.start as u32,
-                &visibility,
-            ));
-        }
-    }
-
-    /// The interface nodes of one peridynamic region with their areas A_FE, in ascending order.
-    fn interface_nodes(
-        &self,
-        points: &PointRegion,
-        lumped: &[f64],
-        node_area: NodeArea,
-    ) -> Vec<InterfaceNode> {
-        let mut half_edges: BTreeMap<u32, f64> = BTreeMap::new();
-        let touching = self.interfaces_of(points.region);
-        for edge in touching.flat_map(|i| &i.edges) {
-            for node in edge.nodes() {
-                let node = self.node_of[node].expect("an interface edge has finite-element nodes");
-                *half_edges.entry(node).or_insert(0.0) += 0.5 * self.edge_length(edge);
-            }
-        }
-        let area = |node: u32, half_edge: f64| match node_area {
-            NodeArea::Lumped => lumped[node as usize],
-            NodeArea::HalfEdge => half_edge * points.micromodulus.spacing,
-            NodeArea::Given(area) => area,
-        };
-        half_edges
-            .into_iter()
-            .map(|(node, half_edge)| InterfaceNode {
-                node,
-                position: self.positions[node as usize],
-                area: area(node, half_edge),
-            })
-            .collect()
-    }
-
     /// Length of an edge's chords [m].
     pub fn edge_length(&self, edge: &Edge) -> f64 {
         let points = chords(edge, &self.mesh.nodes);
@@ -654,109 +418,6 @@ impl Model {
             .map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]))
             .sum()
     }
-
-    /// Lumped "mass" area of every finite-element node [m²].
-    fn lumped_areas(&self) -> Vec<f64> {
-        let mut areas = vec![0.0; self.fe_node_count()];
-        for element in 0..self.elements.len() {
-            let coordinates = self.element_coordinates(element);
-            let shares = element::lumped_areas(self.cell(element).kind, &coordinates);
-            for (node, share) in self.element_nodes(element).into_iter().zip(shares) {
-                areas[node as usize] += share;
-            }
-        }
-        areas
-    }
-}
-
-/// What a bond takes at least, in the lists of bonds and in K: three quarters of what a million points
-/// with 24 bonds each took in all [bytes].
-const BOND_BYTES: f64 = 90.0;
-
-/// The lattice is laid over the outline's bounding box: that must fit into memory.
-fn check_count(
-    region: &Region,
-    outline: &Outline,
-    settings: &PeridynamicSettings,
-) -> Result<(), ModelError> {
-    let spacing = settings.lattice.spacing;
-    let [low, high] = outline.bounds();
-    let points = [0, 1]
-        .iter()
-        .map(|&axis| 1.0 + (high[axis] - low[axis]) / spacing)
-        .product();
-    if points > MOST_POINTS {
-        let region = region.name.clone();
-        return Err(ModelError::TooManyPoints {
-            region,
-            points,
-            limit: MOST_POINTS,
-        });
-    }
-    let points = outline.area() / (spacing * spacing);
-    let family = std::f64::consts::PI * settings.horizon_ratio * settings.horizon_ratio;
-    let bonds = 0.5 * points * family.min(points);
-    let bytes = BOND_BYTES * bonds;
-    if let Some(machine) = machine_memory().map(|machine| machine as f64)
-        && bytes > machine
-    {
-        return Err(ModelError::TooManyBonds {
-            region: region.name.clone(),
-            points,
-            bonds,
-            bytes,
-            machine,
-        });
-    }
-    Ok(())
-}
-
-fn check_cells(mesh: &Mesh, regions: &[Region]) -> Result<(), ModelError> {
-    let mut owner: Vec<Option<usize>> = vec![None; mesh.cells.len()];
-    for (index, region) in regions.iter().enumerate() {
-        if region.cells.is_empty() {
-            return Err(ModelError::RegionEmpty {
-                region: region.name.clone(),
-            });
-        }
-        let taken = region.cells.iter().find_map(|&cell| owner[cell]);
-        if let Some(other) = taken {
-            return Err(ModelError::RegionsOverlap {
-                first: regions[other].name.clone(),
-                second: region.name.clone(),
-                cells: region
-                    .cells
-                    .iter()
-                    .filter(|&&cell| owner[cell] == Some(other))
-                    .count(),
-            });
-        }
-        region
-            .cells
-            .iter()
-            .for_each(|&cell| owner[cell] = Some(index));
-    }
-    Ok(())
-}
-
-fn check_jacobian(mesh: &Mesh, region: &Region, cell: usize) -> Result<(), ModelError> {
-    let Cell { kind, .. } = mesh.cells[cell];
-    let coordinates: Vec<_> = mesh.cells[cell]
-        .nodes()
-        .iter()
-        .map(|&n| mesh.nodes[n])
-        .collect();
-    let (determinant, [x, y]) = element::smallest_jacobian(kind, &coordinates);
-    if determinant > 0.0 {
-        return Ok(());
-    }
-    Err(ModelError::Jacobian {
-        region: region.name.clone(),
-        cell,
-        x,
-        y,
-        determinant,
-    })
 }
 
 fn interfaces(mesh: &Mesh, regions: &[Region]) -> Vec<Interface> {

@@ -50,7 +50,7 @@ impl Model {
             let overlap = Overlap::new(&self.mesh, &cells, is_solved, &interface, spacing)
                 .map_err(|error| self.splice_error(index, error))?;
             for &cell in &overlap.cells {
-                super::check_jacobian(&self.mesh, region, cell)?;
+                super::check::check_jacobian(&self.mesh, region, cell)?;
             }
             let cells = overlap.cells.into_iter();
             splice

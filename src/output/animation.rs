@@ -157,7 +157,7 @@ mod tests {
             range: Some([0.0, 1.0]),
             squares: vec![Square {
                 centre: [0.5, 0.5],
-                side: 1.0,
+                side: [1.0, 0.0],
                 value,
             }],
             ..FieldPicture::default()

@@ -137,10 +137,16 @@ pub fn facets(
     facets
 }
 
-/// The corners of an axis-parallel square.
-fn square(centre: [f64; 2], side: f64) -> [[f64; 2]; 4] {
-    let h = side / 2.0;
-    [[-h, -h], [h, -h], [h, h], [-h, h]].map(|d| [centre[0] + d[0], centre[1] + d[1]])
+/// The corners of a square, one of whose sides is the vector `side`.
+fn square([x, y]: [f64; 2], side: [f64; 2]) -> [[f64; 2]; 4] {
+    let [a, b] = side.map(|length| length / 2.0);
+    [
+        [-a + b, -b - a],
+        [a + b, b - a],
+        [a - b, b + a],
+        [-a - b, a - b],
+    ]
+    .map(|[dx, dy]| [x + dx, y + dy])
 }
 
 /// The first number that is NaN or infinite, if any.
@@ -237,7 +243,7 @@ mod tests {
             title: "png".to_owned(),
             squares: vec![Square {
                 centre: [0.0, 0.0],
-                side: 1.0,
+                side: [1.0, 0.0],
                 value: 1.0,
             }],
             ..FieldPicture::default()

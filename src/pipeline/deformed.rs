@@ -68,10 +68,10 @@ impl<'a> Deformed<'a> {
     pub fn squares(&self, values: impl IntoIterator<Item = f64>) -> Vec<Square> {
         let points = self.model.points.iter();
         let sides = points.flat_map(|points| {
-            let side = points.micromodulus.spacing;
+            let side = points.side();
             points.nodes.clone().map(move |node| (node, side))
         });
-        let square = |((node, side), value): ((usize, f64), f64)| Square {
+        let square = |((node, side), value): ((usize, [f64; 2]), f64)| Square {
             centre: self.moved(node),
             side,
             value,

@@ -45,12 +45,12 @@ pub(super) fn mesh_picture(plan: &Plan, model: &Model) -> MeshPicture {
 
 /// Every material point, in the order of the nodes.
 fn dots(model: &Model) -> Vec<Dot> {
-    let dot = |node: usize, side: f64| Dot {
+    let dot = |node: usize, side: [f64; 2]| Dot {
         centre: model.positions[node],
         side,
         region: model.region_of_point(node).expect("a material point"),
     };
     let points = model.points.iter();
-    let dots = points.flat_map(|p| p.nodes.clone().map(|n| dot(n, p.micromodulus.spacing)));
+    let dots = points.flat_map(|p| p.nodes.clone().map(|n| dot(n, p.side())));
     dots.collect()
 }

@@ -24,8 +24,8 @@ pub struct Facet {
 pub struct Square {
     /// [m]
     pub centre: [f64; 2],
-    /// Square root of its area [m].
-    pub side: f64,
+    /// The first side of its square, as a vector: turned where the lattice is [m].
+    pub side: [f64; 2],
     /// [unit of the field]
     pub value: f64,
 }
@@ -162,7 +162,8 @@ impl FieldPicture {
             value,
         } in &self.squares
         {
-            let corners = square(frame.to_plot(*centre), side * frame.scale[0] + OVERLAP);
+            let side = enlarged(frame.along_plot(*side), OVERLAP);
+            let corners = square(frame.to_plot(*centre), side);
             plot.fill(&corners, scale.colour(*value));
         }
     }
@@ -180,6 +181,12 @@ impl FieldPicture {
         }
         note
     }
+}
+
+/// The vector `side`, made longer by `length`.
+fn enlarged(side: [f64; 2], length: f64) -> [f64; 2] {
+    let factor = 1.0 + length / side[0].hypot(side[1]);
+    side.map(|component| component * factor)
 }
 
 /// The factor that makes the largest of `displacements` [m] a twentieth of `extent`, the body's
@@ -286,6 +293,7 @@ mod tests {
     use super::*;
     use crate::mesh::CellKind;
     use crate::output::colour::{Rgb, WHITE, viridis};
+    use crate::peridynamics::axes::Axes;
 
     /// The value x over 2 m × 1 m: cells for x < 1 m, points beyond.
     fn ramp() -> FieldPicture {
@@ -302,7 +310,7 @@ mod tests {
             let centre = [1.0 + (i + 0.5) / 100.0, (j + 0.5) / 100.0];
             Square {
                 centre,
-                side: 0.01,
+                side: [0.01, 0.0],
                 value: centre[0],
             }
         };
@@ -343,6 +351,40 @@ mod tests {
                 let brighter = found.iter().zip(viridis(x / 1.995));
                 let apart = brighter.map(|(&a, b)| (i32::from(a) - i32::from(b)).abs());
                 assert!(apart.max() <= Some(8), "{found:?} at {x}, {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_turned_lattice_is_filled_without_gaps() {
+        let axes = Axes::new(0.5);
+        let point = |[i, j]: [i32; 2]| Square {
+            centre: axes.global([i, j].map(|k| (f64::from(k) + 0.5) / 20.0)),
+            side: axes.global([1.0 / 20.0, 0.0]),
+            value: f64::from(i),
+        };
+        let places = (0..20).flat_map(|i| (0..20).map(move |j| [i, j]));
+        let picture = FieldPicture {
+            title: "turned".to_owned(),
+            squares: places.map(point).collect(),
+            ..FieldPicture::default()
+        };
+        let picture = picture.draw().expect("a square of points");
+        for row in 0..=200 {
+            for column in 0..=200 {
+                let at = [column, row].map(|k| f64::from(k) / 200.0 * 0.996 + 0.002);
+                let found = picture.colour_at(axes.global(at));
+                // Pixels on a side show both columns; white would be brighter than either.
+                let columns = [at[0] - 0.004, at[0] + 0.004].map(|x| (x * 20.0).floor());
+                let [a, b] = columns.map(|i| viridis(i.clamp(0.0, 19.0) / 19.0));
+                for k in 0..3 {
+                    let between =
+                        a[k].min(b[k]).saturating_sub(1)..=a[k].max(b[k]).saturating_add(1);
+                    assert!(
+                        between.contains(&found[k]),
+                        "{found:?} at {at:?}, not {a:?} to {b:?}"
+                    );
+                }
             }
         }
     }

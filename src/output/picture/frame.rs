@@ -176,6 +176,11 @@ impl Frame {
         [x - f64::from(self.plot[0]), y - f64::from(self.plot[1])]
     }
 
+    /// A vector [m] within the plot [pixels], y downwards.
+    pub fn along_plot(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [x * self.scale[0], -y * self.scale[1]]
+    }
+
     pub fn plot_width(&self) -> i32 {
         self.plot[2] - self.plot[0]
     }

@@ -42,8 +42,8 @@ pub struct Patch {
 pub struct Dot {
     /// [m]
     pub centre: [f64; 2],
-    /// The lattice's spacing [m].
-    pub side: f64,
+    /// The first side of its square, as a vector: turned where the lattice is [m].
+    pub side: [f64; 2],
     /// Index into [`MeshPicture::regions`].
     pub region: usize,
 }
@@ -181,13 +181,13 @@ impl MeshPicture {
         let colours = self.colours();
         for dot in &self.points {
             let colour = colours[dot.region];
-            let spacing = dot.side * frame.scale[0];
+            let side = frame.along_plot(dot.side);
             let centre = frame.to_plot(dot.centre);
-            if spacing < SMALLEST_DOT_SPACING {
-                plot.fill(&square(centre, spacing), tint(colour, DENSE_TINT));
+            if side[0].hypot(side[1]) < SMALLEST_DOT_SPACING {
+                plot.fill(&square(centre, side), tint(colour, DENSE_TINT));
             } else {
-                plot.fill(&square(centre, spacing), tint(colour, LIGHT_TINT));
-                plot.fill(&square(centre, spacing * DOT_SHARE), colour);
+                plot.fill(&square(centre, side), tint(colour, LIGHT_TINT));
+                plot.fill(&square(centre, side.map(|x| x * DOT_SHARE)), colour);
             }
         }
     }
@@ -286,14 +286,14 @@ mod tests {
             cells: places
                 .clone()
                 .map(|centre| Patch {
-                    outline: square(centre, 0.1).to_vec(),
+                    outline: square(centre, [0.1, 0.0]).to_vec(),
                     region: 0,
                 })
                 .collect(),
             points: places
                 .map(|[x, y]| Dot {
                     centre: [x + 1.0, y],
-                    side: 0.1,
+                    side: [0.1, 0.0],
                     region: 1,
                 })
                 .collect(),

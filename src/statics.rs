@@ -1,24 +1,25 @@
 //! One static solve, without artificial damping: K U = R, Qian et al. (2021), eq. (11).
 
 mod estimate;
+mod factorised;
 mod structure;
+mod system;
 
-use crate::assembly::stiffness::Stiffness;
 use crate::boundary::Boundary;
-use crate::linear_solver::compliance::UnitLoads;
 use crate::linear_solver::held::Held;
 use crate::linear_solver::{Factor, SolverError};
 use crate::model::Model;
 use crate::model::node_axes::direction;
 use crate::phases::{Phases, machine_memory};
 use crate::support::{self, NotHeld};
-use faer::Mat;
 use std::collections::{BTreeMap, BTreeSet};
 use structure::Structure;
+use system::{Case, Solved, System, vectors};
 use thiserror::Error;
 
 pub use crate::linear_solver::Method;
 pub use estimate::Estimate;
+pub use factorised::Factorised;
 
 /// Displacements of all nodes, and what holds them; from a [`Solver`] in the axes of the nodes
 /// ([`crate::model::node_axes`]), from [`solve`] along x and y.
@@ -145,8 +146,6 @@ fn residual_goal(method: Method) -> f64 {
         Method::TwoLevel => 1e-10,
     }
 }
-
-const MOST_REFINEMENTS: usize = 3;
 
 /// Assembles and solves once, initial cracks open.
 ///
@@ -521,311 +520,6 @@ fn kind(model: &Model, node: usize) -> &'static str {
     }
 }
 
-/// K with its supports, ready to be solved with; bonds that break later are rank-one changes of it.
-pub struct Factorised {
-    system: System,
-    factor: Factor,
-    /// Stored entries of the factor, and multiplications and additions that it took.
-    pub entries: usize,
-    pub flops: f64,
-}
-
-impl Factorised {
-    /// Whether supports, a fragment or a mechanism hold a dof.
-    pub fn is_held(&self, dof: usize) -> bool {
-        self.system.is_held[dof]
-    }
-
-    /// L⁻¹ E of these dofs, nothing for held ones; from Cholesky's factor only.
-    pub fn unit_loads(&self, dofs: &[usize]) -> Option<UnitLoads> {
-        let Factor::Cholesky(factor) = &self.factor else {
-            return None;
-        };
-        Some(factor.unit_loads(dofs, |dof| !self.is_held(dof)))
-    }
-
-    /// The place of a dof in the order of elimination, of Cholesky's factor.
-    pub fn elimination(&self, dof: usize) -> Option<usize> {
-        match &self.factor {
-            Factor::Cholesky(factor) => Some(factor.column(dof)),
-            Factor::Lu(_) | Factor::TwoLevel(_) => None,
-        }
-    }
-
-    /// K⁻¹ at `rows` for unit forces at `columns`, each of them among `rows` [m/N], without motion at held
-    /// dofs; from Cholesky's factor only.
-    pub fn compliance_between(&self, rows: &[usize], columns: &[usize]) -> Option<Mat<f64>> {
-        let Factor::Cholesky(factor) = &self.factor else {
-            return None;
-        };
-        let mut inverse = factor.inverse_between(rows, columns);
-        for (k, _) in rows.iter().enumerate().filter(|(_, d)| self.is_held(**d)) {
-            inverse.row_mut(k).fill(0.0);
-        }
-        for (k, _) in columns
-            .iter()
-            .enumerate()
-            .filter(|(_, d)| self.is_held(**d))
-        {
-            inverse.col_mut(k).fill(0.0);
-        }
-        Some(inverse)
-    }
-
-    /// Multiplications and additions that it takes to follow a change between these nodes, as
-    /// [`Solver::refactorise`] does.
-    pub fn flops_above(&self, nodes: &[u32]) -> f64 {
-        match &self.factor {
-            Factor::Cholesky(factor) => factor.flops_above(nodes),
-            Factor::Lu(_) | Factor::TwoLevel(_) => self.flops,
-        }
-    }
-
-    /// Overwrites forces [N] by the displacements [m] that they add, dof by dof, case after case.
-    pub fn respond(&self, forces: &mut [f64], cases: usize) {
-        let clear = |forces: &mut [f64]| {
-            for case in forces.chunks_exact_mut(self.system.is_held.len()) {
-                let dofs = case.iter_mut().zip(&self.system.is_held);
-                dofs.filter(|(_, held)| **held).for_each(|(f, _)| *f = 0.0);
-            }
-        };
-        clear(forces);
-        match &self.factor {
-            Factor::Cholesky(factor) => factor.solve_many_in_place(forces, cases),
-            factor => {
-                let dofs = self.system.is_held.len();
-                for case in forces.chunks_exact_mut(dofs) {
-                    let goal = residual_goal(factor.method()) * norm(case);
-                    factor.solve_in_place(case, goal);
-                }
-            }
-        }
-        // Held dofs stand apart in the factor, so that this clears signed zeros only.
-        clear(forces);
-    }
-
-    /// ‖f‖₂ of a case over the free dofs, prescribed displacements in f [N].
-    pub fn scale(&self, case: &Boundary) -> f64 {
-        self.system.scale(&self.system.case(case))
-    }
-
-    /// The solution of a case after springs have gone, from the one before and its change [m]; its residual
-    /// is relative to `scale`.
-    pub fn without(
-        &self,
-        model: &Model,
-        (case, scale): (&Boundary, f64),
-        before: &Solution,
-        change: &[f64],
-        gone: &[usize],
-    ) -> Solution {
-        let (springs, positions) = (&model.springs, &model.positions);
-        let before_dofs = before.displacement.iter().flatten();
-        let u: Vec<f64> = before_dofs.zip(change).map(|(u, c)| u + c).collect();
-        let displacement = vectors(&u);
-        let case = self.system.case(case);
-        let mut force = self.force(&u);
-        for &spring in gone {
-            let elongation =
-                springs.length(spring, positions) * model.stretch(spring, &displacement);
-            let taken = -springs.stiffness[spring] * elongation;
-            add_spring_force(&mut force, model, spring, taken);
-        }
-        let residual = norm(&case.residual(&force)) / scale;
-        Solution {
-            displacement,
-            reaction: case.reaction(&force),
-            residual,
-            size: before.size,
-        }
-    }
-
-    pub fn dofs(&self) -> usize {
-        self.system.is_held.len()
-    }
-
-    /// Whether there are factors, which answer to many forces at little cost.
-    pub fn is_direct(&self) -> bool {
-        self.factor.method() == Method::Direct
-    }
-
-    pub fn is_symmetric(&self) -> bool {
-        matches!(self.factor, Factor::Cholesky(_))
-    }
-
-    /// K u [N].
-    pub fn force(&self, displacement: &[f64]) -> Vec<f64> {
-        self.system.stiffness.multiply(displacement)
-    }
-}
-
-/// Adds f w, or what of it acts: [`Model::first_loaded_node`].
-fn add_spring_force(force: &mut [f64], model: &Model, spring: usize, f: f64) {
-    let first = model.first_loaded_node();
-    model.for_each_term(spring, |node, w| {
-        let node = node as usize;
-        if node >= first {
-            force[2 * node] += f * w[0];
-            force[2 * node + 1] += f * w[1];
-        }
-    });
-}
-
-/// K with its supports.
-struct System {
-    /// K as assembled [N/m].
-    stiffness: Stiffness,
-    is_held: Vec<bool>,
-    /// Dofs of pinned parts.
-    pinned: Vec<usize>,
-}
-
-/// What a system is solved for.
-struct Case<'a> {
-    /// [m].
-    prescribed: Vec<Option<f64>>,
-    /// f, loads on the overlap of a splice included [N].
-    load: Vec<f64>,
-    /// Of [`Boundary::own_share`].
-    own_share: &'a BTreeMap<usize, f64>,
-}
-
-/// Dof by dof.
-struct Solved {
-    /// [m].
-    displacement: Vec<f64>,
-    /// K u [N].
-    force: Vec<f64>,
-    /// Relative.
-    residual: f64,
-}
-
-impl System {
-    fn new(
-        stiffness: Stiffness,
-        boundary: &Boundary,
-        pinned: &[Vec<usize>],
-        mechanisms: &BTreeSet<usize>,
-    ) -> System {
-        let mut system = System {
-            is_held: vec![false; stiffness.dofs()],
-            stiffness,
-            pinned: Vec::new(),
-        };
-        for &dof in boundary.prescribed.keys().chain(mechanisms) {
-            system.is_held[dof] = true;
-        }
-        system.pin(pinned);
-        system
-    }
-
-    /// Holds the nodes of parts, which only grow.
-    fn pin(&mut self, parts: &[Vec<usize>]) {
-        let nodes = parts.iter().flatten();
-        self.pinned = nodes.flat_map(|&n| [2 * n, 2 * n + 1]).collect();
-        self.pinned.iter().for_each(|&dof| self.is_held[dof] = true);
-    }
-
-    fn case<'a>(&self, boundary: &'a Boundary) -> Case<'a> {
-        let mut prescribed = vec![None; boundary.load.len()];
-        self.pinned
-            .iter()
-            .for_each(|&dof| prescribed[dof] = Some(0.0));
-        for (&dof, &(value, _)) in &boundary.prescribed {
-            prescribed[dof] = Some(value);
-        }
-        Case {
-            prescribed,
-            load: {
-                let all = boundary.load.iter().zip(&boundary.overlap_load);
-                boundary.in_own_axes(all.map(|(a, b)| a + b).collect())
-            },
-            own_share: &boundary.own_share,
-        }
-    }
-
-    fn solve(&self, case: &Case, factor: &Factor, guess: Option<&[[f64; 2]]>, goal: f64) -> Solved {
-        let prescribed: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
-        let (mut found, mut residual) = self.at(case, prescribed);
-        let scale = found.residual;
-        if scale == 0.0 {
-            return found;
-        }
-        if let (Some(guess), Factor::TwoLevel(_)) = (guess, factor) {
-            let mut u = found.displacement;
-            let free = u.iter_mut().zip(guess.as_flattened()).zip(&self.is_held);
-            let free = free.filter(|(_, held)| !**held);
-            free.for_each(|((u, guess), _)| *u = *guess);
-            (found, residual) = self.at(case, u);
-        }
-        found.residual /= scale;
-        for turn in 0..=MOST_REFINEMENTS {
-            if found.residual < goal {
-                break;
-            }
-            let mut correction = residual;
-            factor.solve_in_place(&mut correction, 0.5 * goal * scale);
-            let u = found.displacement.iter().zip(&correction);
-            let (mut refined, rest) = self.at(case, u.map(|(u, c)| u + c).collect());
-            refined.residual /= scale;
-            residual = rest;
-            // Also false for a residual that is not a number: the check that follows reports it.
-            let better = refined.residual < found.residual;
-            if better || turn == 0 {
-                found = refined;
-            }
-            if !better {
-                break;
-            }
-        }
-        found
-    }
-
-    /// Displacements with K u and ‖f − K u‖₂ [N], and f − K u at free dofs.
-    fn at(&self, case: &Case, displacement: Vec<f64>) -> (Solved, Vec<f64>) {
-        let force = self.stiffness.multiply(&displacement);
-        let residual = case.residual(&force);
-        let solved = Solved {
-            displacement,
-            force,
-            residual: norm(&residual),
-        };
-        (solved, residual)
-    }
-
-    /// f − K u at free dofs, zero at prescribed ones [N].
-    fn residual(&self, case: &Case, u: &[f64]) -> Vec<f64> {
-        case.residual(&self.stiffness.multiply(u))
-    }
-
-    /// ‖f‖₂ over the free dofs, prescribed displacements in f [N].
-    fn scale(&self, case: &Case) -> f64 {
-        let u: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
-        norm(&self.residual(case, &u)).max(f64::MIN_POSITIVE)
-    }
-}
-
-impl Case<'_> {
-    /// f − r at free dofs, zero at prescribed ones, where r = K u [N].
-    fn residual(&self, force: &[f64]) -> Vec<f64> {
-        let dofs = self.prescribed.iter().zip(&self.load).zip(force);
-        dofs.map(|((prescribed, f), r)| if prescribed.is_some() { 0.0 } else { f - r })
-            .collect()
-    }
-
-    /// r − f at prescribed dofs, by node, where r = K u [N].
-    fn reaction(&self, force: &[f64]) -> Vec<[f64; 2]> {
-        let dofs = self.prescribed.iter().zip(&self.load).zip(force);
-        let reaction =
-            dofs.map(|((prescribed, f), r)| if prescribed.is_some() { r - f } else { 0.0 });
-        let mut reaction: Vec<f64> = reaction.collect();
-        for (&dof, share) in self.own_share {
-            reaction[dof] *= share;
-        }
-        vectors(&reaction)
-    }
-}
-
 /// Sum of the nodes' reactions on each group that prescribes a displacement, from those along x and y [N].
 pub fn group_reactions(boundary: &Boundary, reaction: &[[f64; 2]]) -> BTreeMap<String, [f64; 2]> {
     let mut sums: BTreeMap<String, [f64; 2]> = BTreeMap::new();
@@ -836,12 +530,4 @@ pub fn group_reactions(boundary: &Boundary, reaction: &[[f64; 2]]) -> BTreeMap<S
         *sum = [sum[0] + along * x, sum[1] + along * y];
     }
     sums
-}
-
-fn vectors(dofs: &[f64]) -> Vec<[f64; 2]> {
-    dofs.chunks_exact(2).map(|d| [d[0], d[1]]).collect()
-}
-
-fn norm(v: &[f64]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

@@ -29,7 +29,8 @@ fn section(title: &str, schema: &Value, types: &Value) -> String {
         .iter()
         .map(|(key, value)| line(key, value, schema, types));
     format!(
-        "\n## {title}\n\n{}| key | type | default | unit | meaning |\n| --- | --- | --- | --- | --- |\n{}",
+        "\n## {}\n\n{}| key | type | default | unit | meaning |\n| --- | --- | --- | --- | --- |\n{}",
+        in_words(title),
         described(schema).map_or(String::new(), |text| text + "\n\n"),
         lines.collect::<String>()
     )
@@ -102,9 +103,10 @@ fn kind(schema: &Value, types: &Value) -> String {
 }
 
 fn elements(schema: &Value, types: &Value) -> String {
-    match &schema["prefixItems"] {
-        Value::Array(items) => format!("{} × {}", items.len(), kind(&items[0], types)),
-        _ => kind(&schema["items"], types),
+    let element = kind(&schema["items"], types);
+    match schema.get("maxItems") {
+        Some(count) => format!("{count} × {element}"),
+        None => element,
     }
 }
 
@@ -120,7 +122,14 @@ fn of_map(schema: &Value, types: &Value) -> String {
 
 fn alternatives(kinds: impl Iterator<Item = String>) -> String {
     let kinds: Vec<String> = kinds.filter(|kind| !kind.is_empty()).collect();
-    kinds.join(", ")
+    if kinds.iter().any(|kind| kind.contains(" or ")) {
+        return kinds.join(", or ");
+    }
+    match kinds.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{} or {last}", others.join(", ")),
+        None => String::new(),
+    }
 }
 
 fn word(value: &Value) -> String {
@@ -144,8 +153,23 @@ fn named(name: &str, types: &Value) -> String {
     if name == "Scalar" {
         "quantity".to_owned()
     } else if schema.get("properties").is_some() {
-        format!("[{name}](#{})", name.to_lowercase())
+        let title = in_words(name);
+        format!("[{title}](#{})", title.to_lowercase().replace(' ', "-"))
     } else {
         kind(schema, types)
     }
+}
+
+/// `ReferenceSteps` as `Reference steps`.
+fn in_words(name: &str) -> String {
+    let mut words = String::new();
+    for letter in name.chars() {
+        if letter.is_uppercase() && !words.is_empty() && !words.ends_with(' ') {
+            words.push(' ');
+            words.extend(letter.to_lowercase());
+        } else {
+            words.push(letter);
+        }
+    }
+    words
 }

@@ -1,6 +1,10 @@
 //! Runs the stages that are stale: mesh → solve → output. Bad input is found before anything is
 //! written; what is written appears under its name only when it is whole.
 
+mod error;
+mod observer;
+mod warnings;
+
 use super::costs::{Costs, StoredCosts};
 use super::damage_picture::DAMAGE_PICTURE;
 use super::drafter::Drafts;
@@ -13,112 +17,32 @@ use super::meshing::{mesh_geometry, to_mesh};
 use super::plan::{Loading, Plan};
 use super::recipe::recipe;
 use super::report::REPORT_FILE;
-use super::results::{Outcome, ResultsError, lattice_name};
+use super::results::Outcome;
 use super::scribe::{HISTORY_FILE, Written};
 use super::solved::{Course, Solved, StoredSolution};
-use super::source::InputError;
 use super::stamp::{self, Manifest, Reasons, Recipe, Stage};
 use super::stored::read_stored;
 use super::validate::discretise;
 use crate::boundary::Boundary;
-use crate::coupling::Coupling;
 use crate::fracture::control::Resolution;
-use crate::gmsh::{self, Extract, GmshError};
-use crate::meshio::{self, MeshioError};
-use crate::model::{Method as RegionMethod, Model};
-use crate::output::{WriteError, write_whole};
+use crate::gmsh::{self, Extract};
+use crate::meshio::{self};
+use crate::model::Model;
+use crate::output::write_whole;
 use crate::phases::{Phases, peak_memory};
-use crate::statics::{self, Method, Solution, StaticsError};
+use crate::statics::{self, Method, Solution};
 use crate::trace::{Kind, Trace};
 use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::fmt;
 use std::fs::{self, File};
-use std::io;
-use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::path::Path;
+use std::time::Instant;
 use tempfile::TempDir;
-use thiserror::Error;
 
-/// Why a run ended early.
-#[derive(Debug, Error)]
-pub enum RunError {
-    /// Exit code 2.
-    #[error(transparent)]
-    Input(Box<InputError>),
-    /// Exit code 1, like all that follow.
-    #[error(transparent)]
-    Gmsh(Box<GmshError>),
-    #[error(transparent)]
-    Meshio(Box<MeshioError>),
-    #[error(transparent)]
-    Statics(#[from] StaticsError),
-    #[error(transparent)]
-    Results(#[from] ResultsError),
-    #[error(transparent)]
-    Write(#[from] WriteError),
-    #[error("cannot {action} {}: {source}", .path.display())]
-    File {
-        action: &'static str,
-        path: PathBuf,
-        source: io::Error,
-    },
-    /// What there is has been written.
-    #[error("the run stopped behind step {step}: {reason}")]
-    Stopped {
-        step: u64,
-        reason: String,
-        folder: PathBuf,
-    },
-    /// `holder`: who writes there, if that is known.
-    #[error("another run is writing to {}{}", .folder.display(), by(.holder))]
-    Busy { folder: PathBuf, holder: String },
-    #[error("{message}")]
-    Viewer { message: String, help: String },
-}
-
-fn by(holder: &str) -> String {
-    match holder {
-        "" => String::new(),
-        holder => format!(": {holder}"),
-    }
-}
-
-impl RunError {
-    /// What to do.
-    pub fn help(&self) -> Option<String> {
-        match self {
-            RunError::Stopped { folder, .. } => Some(format!(
-                "the last good state is in {}: look at the damage there. Smaller load steps, \
-                 `control: event-driven` or a support that holds what comes loose may help",
-                folder.display()
-            )),
-            RunError::Busy { .. } => Some(
-                "wait until it has ended, or end it: what it has done is kept, and the next run goes on"
-                    .to_owned(),
-            ),
-            RunError::Viewer { help, .. } => Some(help.clone()),
-            RunError::Statics(StaticsError::Memory { .. }) => Some(
-                "choose a larger `spacing` or a smaller `horizon`, finite elements where no crack will go, \
-                 or a machine with more memory"
-                    .to_owned(),
-            ),
-            RunError::File { .. } | RunError::Write(_) => Some(
-                "is there space, and may you write there? `--results FOLDER` chooses another place"
-                    .to_owned(),
-            ),
-            _ => None,
-        }
-    }
-}
-
-impl From<InputError> for RunError {
-    fn from(error: InputError) -> RunError {
-        RunError::Input(Box::new(error))
-    }
-}
+pub use error::RunError;
+pub use observer::{Observer, Step};
 
 /// What to run.
 #[derive(Clone, Debug)]
@@ -145,51 +69,6 @@ impl Default for Options {
             meshio: meshio::Options::default(),
             trace: Trace::default(),
         }
-    }
-}
-
-/// Told of what happens while it happens.
-pub trait Observer {
-    fn starts(&mut self, stage: Stage);
-    fn ends(&mut self, stage: Stage, what: &str, time: Duration);
-    fn step(&mut self, step: &Step);
-    fn is_fresh(&mut self, stage: Stage);
-    fn warns(&mut self, text: &str);
-}
-
-/// Where a fracture run is.
-#[derive(Clone, Debug, Serialize)]
-pub struct Step {
-    /// Name of the phase; empty where there is only one.
-    pub phase: String,
-    pub step: usize,
-    /// The run ends at this step, if not before.
-    pub most_steps: usize,
-    pub load_factor: f64,
-    pub bonds_broken: usize,
-    pub bonds_broken_total: usize,
-    pub passes: usize,
-    pub steps_per_second: f64,
-}
-
-impl fmt::Display for Step {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        if !self.phase.is_empty() {
-            write!(f, "{}, ", self.phase)?;
-        }
-        let passes = if self.passes == 1 { "pass" } else { "passes" };
-        let left = (self.most_steps - self.step) as f64 / self.steps_per_second;
-        write!(
-            f,
-            "step {} of at most {}, λ = {:.4}, {} bonds broken ({} in all), {} {passes}, {:.1} steps/s, at most {left:.0} s left",
-            self.step,
-            self.most_steps,
-            self.load_factor,
-            self.bonds_broken,
-            self.bonds_broken_total,
-            self.passes,
-            self.steps_per_second
-        )
     }
 }
 
@@ -613,57 +492,6 @@ impl Run<'_> {
         Ok(summary)
     }
 
-    fn warn_of_areas(&mut self, model: &Model) {
-        // Where cells go on behind the interface, their areas need not sum to the region's.
-        let is_truss = matches!(model.settings.coupling, Coupling::Truss(_));
-        let points = model.points.iter().filter(|_| is_truss);
-        for points in points {
-            let first = model.fe_node_count();
-            let areas = &model.areas[points.nodes.start - first..points.nodes.end - first];
-            let share = areas.iter().sum::<f64>() / points.area;
-            if (share - 1.0).abs() > AREA_WARNING {
-                self.observer.warns(&format!(
-                    "the material points of `{}` stand for {:.2} % of its area",
-                    lattice_name(model, points),
-                    100.0 * share
-                ));
-            }
-        }
-    }
-
-    /// Under two horizons no point has a whole family, and the correction of free surfaces is all that there is.
-    fn warn_of_narrow_regions(&mut self, model: &Model) {
-        for points in &model.points {
-            let RegionMethod::Peridynamics(settings) = model.regions[points.region].method else {
-                continue;
-            };
-            let [low, high] = settings.lattice.axes().outline(&points.outline).bounds();
-            let width = [0, 1].map(|axis| (high[axis] - low[axis]) / settings.lattice.spacing);
-            let width = width[0].min(width[1]);
-            if width < 2.0 * settings.horizon_ratio * (1.0 - AREA_WARNING) {
-                self.observer.warns(&format!(
-                    "the region `{}` is {width:.1} spacings wide, under 2 horizons, which are {} spacings: \
-                     choose a smaller `spacing`, or make it wider",
-                    lattice_name(model, points),
-                    2.0 * settings.horizon_ratio
-                ));
-            }
-        }
-    }
-
-    /// The residual of a spliced system does not see that its two sides feel different forces.
-    fn warn_of_imbalance(&mut self, solution: &Solution, boundary: &Boundary) {
-        let imbalance = solution.imbalance(boundary);
-        if imbalance > IMBALANCE_WARNING {
-            self.observer.warns(&format!(
-                "loads and reactions differ by {:.1} % of their sum: the splice passes on another force than it \
-                 takes up, and displacements are wrong by as much. Take finer elements beside the interface, \
-                 or `coupling: clip`",
-                100.0 * imbalance
-            ));
-        }
-    }
-
     /// Keeps other runs out of the results folder from the first write on.
     fn lock(&mut self) -> Result<(), RunError> {
         if self.lock.is_none() {
@@ -734,14 +562,6 @@ fn solve_once(
         fracture: None,
     })
 }
-
-/// A larger share of all forces that is not balanced is told [-]; a splice of elements as large as the horizon
-/// leaves 3e-5, under own weight 6e-3.
-const IMBALANCE_WARNING: f64 = 0.01;
-
-/// A lattice whose areas are off by more than this is worth a word: the paper's full cells on grid
-/// nodes are.
-const AREA_WARNING: f64 = 1e-6;
 
 fn encode(value: &impl Serialize) -> Vec<u8> {
     postcard::to_stdvec(value).expect("plain data in memory can be encoded")

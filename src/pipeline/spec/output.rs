@@ -1,0 +1,92 @@
+//! `probes` and `output`: what is reported and written.
+
+use super::{Format, Pictures, Scalar};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A displacement to report.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// Must lie in the box around the body; the nearest element node or material point is read, and
+    /// `summary.json` tells where that is. Unit: m.
+    pub at: [Scalar; 2],
+    /// Which component of the displacement.
+    pub component: Component,
+    /// What it should be: the error against it is reported. Unit: m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference: Option<Scalar>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Component {
+    X,
+    Y,
+}
+
+/// What is written to `results/NAME/`.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Output {
+    /// Fields in the VTU files.
+    pub fields: Vec<OutputField>,
+    /// Of a fracture run: a frame at every so many steps. The start, the first break and the end
+    /// always have one.
+    pub every: usize,
+    /// Write bonds and trusses as lines.
+    pub bonds: bool,
+    /// Which pictures are drawn; `principal-stress` is the largest. `true`: all but `von-mises`.
+    pub pictures: Pictures,
+    /// Steps of a fracture run whose damage is drawn, as `damage_000057.png`; they have a frame,
+    /// whatever `every` says. A step that the run does not come to gives a note.
+    pub pictures_at: Vec<usize>,
+    /// Of the pictures.
+    pub formats: Vec<Format>,
+    /// Of a fracture run: `crack.gif`. Default: as `pictures`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub animation: Option<bool>,
+    /// `report.html`. Default: as `pictures`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub report: Option<bool>,
+}
+
+impl Default for Output {
+    fn default() -> Output {
+        use OutputField::{Displacement, Strain, Stress};
+        Output {
+            fields: vec![Displacement, Stress, Strain],
+            every: 1,
+            bonds: false,
+            pictures: Pictures::Usual,
+            pictures_at: Vec::new(),
+            formats: vec![Format::Png],
+            animation: None,
+            report: None,
+        }
+    }
+}
+
+impl Output {
+    /// The formats, each once.
+    pub fn formats(&self) -> Vec<Format> {
+        let all = [Format::Png, Format::Svg].into_iter();
+        all.filter(|format| self.formats.contains(format)).collect()
+    }
+
+    pub fn is_animated(&self) -> bool {
+        self.animation.unwrap_or(self.pictures != Pictures::None)
+    }
+
+    pub fn is_reported(&self) -> bool {
+        self.report.unwrap_or(self.pictures != Pictures::None)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OutputField {
+    Displacement,
+    Stress,
+    Strain,
+}

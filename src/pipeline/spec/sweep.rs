@@ -1,0 +1,91 @@
+//! `sweep`: a study of many runs.
+
+use super::Scalar;
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize, de};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// A study of many runs.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sweep {
+    /// What is varied, as `--set` names it, and the values.
+    pub over: BTreeMap<String, Values>,
+    /// `crossed`: every value with every other; `zipped`: the first of each, the second of each.
+    #[serde(default)]
+    pub combine: Combine,
+}
+
+/// How the values of several parameters are combined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Combine {
+    /// Every value with every other.
+    #[default]
+    Crossed,
+    /// The first of each, the second of each, …
+    Zipped,
+}
+
+/// A list, or a range.
+#[derive(Clone, Debug, JsonSchema, Serialize)]
+#[serde(untagged)]
+pub enum Values {
+    List(Vec<Scalar>),
+    Range(Range),
+}
+
+/// `count` values from `from` to `to`, both included.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Range {
+    /// The first value.
+    pub from: Scalar,
+    /// The last value.
+    pub to: Scalar,
+    /// How many, both ends included.
+    pub count: usize,
+    /// What is equal between neighbours: `linear`: the difference; `log`: the ratio.
+    #[serde(default)]
+    pub scale: Scale,
+}
+
+/// What is the same between two values of a range that follow each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scale {
+    /// The difference.
+    #[default]
+    Linear,
+    /// The ratio.
+    Log,
+}
+
+impl<'de> Deserialize<'de> for Values {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
+        struct Visitor;
+        impl<'de> de::Visitor<'de> for Visitor {
+            type Value = Values;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str(
+                    "a list of values, or a range such as `{ from: 1 mm, to: 2 mm, count: 5 }`",
+                )
+            }
+
+            fn visit_seq<A: de::SeqAccess<'de>>(self, mut list: A) -> Result<Values, A::Error> {
+                let mut values = Vec::new();
+                while let Some(value) = list.next_element()? {
+                    values.push(value);
+                }
+                Ok(Values::List(values))
+            }
+
+            fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<Values, A::Error> {
+                Range::deserialize(de::value::MapAccessDeserializer::new(map)).map(Values::Range)
+            }
+        }
+        deserializer.deserialize_any(Visitor)
+    }
+}

@@ -1,0 +1,159 @@
+//! K with its supports, ready to be solved with many times while springs break.
+
+use super::system::{System, norm, vectors};
+use super::{Method, Solution, residual_goal};
+use crate::boundary::Boundary;
+use crate::linear_solver::Factor;
+use crate::linear_solver::compliance::UnitLoads;
+use crate::model::Model;
+use faer::Mat;
+
+/// K with its supports, ready to be solved with; bonds that break later are rank-one changes of it.
+pub struct Factorised {
+    pub(super) system: System,
+    pub(super) factor: Factor,
+    /// Stored entries of the factor, and multiplications and additions that it took.
+    pub entries: usize,
+    pub flops: f64,
+}
+
+impl Factorised {
+    /// Whether supports, a fragment or a mechanism hold a dof.
+    pub fn is_held(&self, dof: usize) -> bool {
+        self.system.is_held[dof]
+    }
+
+    /// L⁻¹ E of these dofs, nothing for held ones; from Cholesky's factor only.
+    pub fn unit_loads(&self, dofs: &[usize]) -> Option<UnitLoads> {
+        let Factor::Cholesky(factor) = &self.factor else {
+            return None;
+        };
+        Some(factor.unit_loads(dofs, |dof| !self.is_held(dof)))
+    }
+
+    /// The place of a dof in the order of elimination, of Cholesky's factor.
+    pub fn elimination(&self, dof: usize) -> Option<usize> {
+        match &self.factor {
+            Factor::Cholesky(factor) => Some(factor.column(dof)),
+            Factor::Lu(_) | Factor::TwoLevel(_) => None,
+        }
+    }
+
+    /// K⁻¹ at `rows` for unit forces at `columns`, each of them among `rows` [m/N], without motion at held
+    /// dofs; from Cholesky's factor only.
+    pub fn compliance_between(&self, rows: &[usize], columns: &[usize]) -> Option<Mat<f64>> {
+        let Factor::Cholesky(factor) = &self.factor else {
+            return None;
+        };
+        let mut inverse = factor.inverse_between(rows, columns);
+        for (k, _) in rows.iter().enumerate().filter(|(_, d)| self.is_held(**d)) {
+            inverse.row_mut(k).fill(0.0);
+        }
+        for (k, _) in columns
+            .iter()
+            .enumerate()
+            .filter(|(_, d)| self.is_held(**d))
+        {
+            inverse.col_mut(k).fill(0.0);
+        }
+        Some(inverse)
+    }
+
+    /// Multiplications and additions that it takes to follow a change between these nodes, as
+    /// [`Solver::refactorise`] does.
+    pub fn flops_above(&self, nodes: &[u32]) -> f64 {
+        match &self.factor {
+            Factor::Cholesky(factor) => factor.flops_above(nodes),
+            Factor::Lu(_) | Factor::TwoLevel(_) => self.flops,
+        }
+    }
+
+    /// Overwrites forces [N] by the displacements [m] that they add, dof by dof, case after case.
+    pub fn respond(&self, forces: &mut [f64], cases: usize) {
+        let clear = |forces: &mut [f64]| {
+            for case in forces.chunks_exact_mut(self.system.is_held.len()) {
+                let dofs = case.iter_mut().zip(&self.system.is_held);
+                dofs.filter(|(_, held)| **held).for_each(|(f, _)| *f = 0.0);
+            }
+        };
+        clear(forces);
+        match &self.factor {
+            Factor::Cholesky(factor) => factor.solve_many_in_place(forces, cases),
+            factor => {
+                let dofs = self.system.is_held.len();
+                for case in forces.chunks_exact_mut(dofs) {
+                    let goal = residual_goal(factor.method()) * norm(case);
+                    factor.solve_in_place(case, goal);
+                }
+            }
+        }
+        // Held dofs stand apart in the factor, so that this clears signed zeros only.
+        clear(forces);
+    }
+
+    /// ‖f‖₂ of a case over the free dofs, prescribed displacements in f [N].
+    pub fn scale(&self, case: &Boundary) -> f64 {
+        self.system.scale(&self.system.case(case))
+    }
+
+    /// The solution of a case after springs have gone, from the one before and its change [m]; its residual
+    /// is relative to `scale`.
+    pub fn without(
+        &self,
+        model: &Model,
+        (case, scale): (&Boundary, f64),
+        before: &Solution,
+        change: &[f64],
+        gone: &[usize],
+    ) -> Solution {
+        let (springs, positions) = (&model.springs, &model.positions);
+        let before_dofs = before.displacement.iter().flatten();
+        let u: Vec<f64> = before_dofs.zip(change).map(|(u, c)| u + c).collect();
+        let displacement = vectors(&u);
+        let case = self.system.case(case);
+        let mut force = self.force(&u);
+        for &spring in gone {
+            let elongation =
+                springs.length(spring, positions) * model.stretch(spring, &displacement);
+            let taken = -springs.stiffness[spring] * elongation;
+            add_spring_force(&mut force, model, spring, taken);
+        }
+        let residual = norm(&case.residual(&force)) / scale;
+        Solution {
+            displacement,
+            reaction: case.reaction(&force),
+            residual,
+            size: before.size,
+        }
+    }
+
+    pub fn dofs(&self) -> usize {
+        self.system.is_held.len()
+    }
+
+    /// Whether there are factors, which answer to many forces at little cost.
+    pub fn is_direct(&self) -> bool {
+        self.factor.method() == Method::Direct
+    }
+
+    pub fn is_symmetric(&self) -> bool {
+        matches!(self.factor, Factor::Cholesky(_))
+    }
+
+    /// K u [N].
+    pub fn force(&self, displacement: &[f64]) -> Vec<f64> {
+        self.system.stiffness.multiply(displacement)
+    }
+}
+
+/// Adds f w, or what of it acts: [`Model::first_loaded_node`].
+fn add_spring_force(force: &mut [f64], model: &Model, spring: usize, f: f64) {
+    let first = model.first_loaded_node();
+    model.for_each_term(spring, |node, w| {
+        let node = node as usize;
+        if node >= first {
+            force[2 * node] += f * w[0];
+            force[2 * node + 1] += f * w[1];
+        }
+    });
+}

@@ -1,0 +1,178 @@
+//! K u = f with supports: what is held, what is prescribed, and a solution refined until its residual is small.
+
+use crate::assembly::stiffness::Stiffness;
+use crate::boundary::Boundary;
+use crate::linear_solver::Factor;
+use std::collections::{BTreeMap, BTreeSet};
+
+const MOST_REFINEMENTS: usize = 3;
+
+/// K with its supports.
+pub(super) struct System {
+    /// K as assembled [N/m].
+    pub stiffness: Stiffness,
+    pub is_held: Vec<bool>,
+    /// Dofs of pinned parts.
+    pinned: Vec<usize>,
+}
+
+/// What a system is solved for.
+pub(super) struct Case<'a> {
+    /// [m].
+    prescribed: Vec<Option<f64>>,
+    /// f, loads on the overlap of a splice included [N].
+    load: Vec<f64>,
+    /// Of [`Boundary::own_share`].
+    own_share: &'a BTreeMap<usize, f64>,
+}
+
+/// Dof by dof.
+pub(super) struct Solved {
+    /// [m].
+    pub displacement: Vec<f64>,
+    /// K u [N].
+    pub force: Vec<f64>,
+    /// Relative.
+    pub residual: f64,
+}
+
+impl System {
+    pub fn new(
+        stiffness: Stiffness,
+        boundary: &Boundary,
+        pinned: &[Vec<usize>],
+        mechanisms: &BTreeSet<usize>,
+    ) -> System {
+        let mut system = System {
+            is_held: vec![false; stiffness.dofs()],
+            stiffness,
+            pinned: Vec::new(),
+        };
+        for &dof in boundary.prescribed.keys().chain(mechanisms) {
+            system.is_held[dof] = true;
+        }
+        system.pin(pinned);
+        system
+    }
+
+    /// Holds the nodes of parts, which only grow.
+    pub fn pin(&mut self, parts: &[Vec<usize>]) {
+        let nodes = parts.iter().flatten();
+        self.pinned = nodes.flat_map(|&n| [2 * n, 2 * n + 1]).collect();
+        self.pinned.iter().for_each(|&dof| self.is_held[dof] = true);
+    }
+
+    pub fn case<'a>(&self, boundary: &'a Boundary) -> Case<'a> {
+        let mut prescribed = vec![None; boundary.load.len()];
+        self.pinned
+            .iter()
+            .for_each(|&dof| prescribed[dof] = Some(0.0));
+        for (&dof, &(value, _)) in &boundary.prescribed {
+            prescribed[dof] = Some(value);
+        }
+        Case {
+            prescribed,
+            load: {
+                let all = boundary.load.iter().zip(&boundary.overlap_load);
+                boundary.in_own_axes(all.map(|(a, b)| a + b).collect())
+            },
+            own_share: &boundary.own_share,
+        }
+    }
+
+    pub fn solve(
+        &self,
+        case: &Case,
+        factor: &Factor,
+        guess: Option<&[[f64; 2]]>,
+        goal: f64,
+    ) -> Solved {
+        let prescribed: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
+        let (mut found, mut residual) = self.at(case, prescribed);
+        let scale = found.residual;
+        if scale == 0.0 {
+            return found;
+        }
+        if let (Some(guess), Factor::TwoLevel(_)) = (guess, factor) {
+            let mut u = found.displacement;
+            let free = u.iter_mut().zip(guess.as_flattened()).zip(&self.is_held);
+            let free = free.filter(|(_, held)| !**held);
+            free.for_each(|((u, guess), _)| *u = *guess);
+            (found, residual) = self.at(case, u);
+        }
+        found.residual /= scale;
+        for turn in 0..=MOST_REFINEMENTS {
+            if found.residual < goal {
+                break;
+            }
+            let mut correction = residual;
+            factor.solve_in_place(&mut correction, 0.5 * goal * scale);
+            let u = found.displacement.iter().zip(&correction);
+            let (mut refined, rest) = self.at(case, u.map(|(u, c)| u + c).collect());
+            refined.residual /= scale;
+            residual = rest;
+            // Also false for a residual that is not a number: the check that follows reports it.
+            let better = refined.residual < found.residual;
+            if better || turn == 0 {
+                found = refined;
+            }
+            if !better {
+                break;
+            }
+        }
+        found
+    }
+
+    /// Displacements with K u and ‖f − K u‖₂ [N], and f − K u at free dofs.
+    fn at(&self, case: &Case, displacement: Vec<f64>) -> (Solved, Vec<f64>) {
+        let force = self.stiffness.multiply(&displacement);
+        let residual = case.residual(&force);
+        let solved = Solved {
+            displacement,
+            force,
+            residual: norm(&residual),
+        };
+        (solved, residual)
+    }
+
+    /// f − K u at free dofs, zero at prescribed ones [N].
+    pub fn residual(&self, case: &Case, u: &[f64]) -> Vec<f64> {
+        case.residual(&self.stiffness.multiply(u))
+    }
+
+    /// ‖f‖₂ over the free dofs, prescribed displacements in f [N].
+    pub fn scale(&self, case: &Case) -> f64 {
+        let u: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
+        norm(&self.residual(case, &u)).max(f64::MIN_POSITIVE)
+    }
+}
+
+impl Case<'_> {
+    /// f − r at free dofs, zero at prescribed ones, where r = K u [N].
+    pub fn residual(&self, force: &[f64]) -> Vec<f64> {
+        let dofs = self.prescribed.iter().zip(&self.load).zip(force);
+        dofs.map(|((prescribed, f), r)| if prescribed.is_some() { 0.0 } else { f - r })
+            .collect()
+    }
+
+    /// r − f at prescribed dofs, by node, where r = K u [N].
+    pub fn reaction(&self, force: &[f64]) -> Vec<[f64; 2]> {
+        let dofs = self.prescribed.iter().zip(&self.load).zip(force);
+        let reaction =
+            dofs.map(|((prescribed, f), r)| if prescribed.is_some() { r - f } else { 0.0 });
+        let mut reaction: Vec<f64> = reaction.collect();
+        for (&dof, share) in self.own_share {
+            reaction[dof] *= share;
+        }
+        vectors(&reaction)
+    }
+}
+
+/// Dofs as vectors, node by node.
+pub(super) fn vectors(dofs: &[f64]) -> Vec<[f64; 2]> {
+    dofs.chunks_exact(2).map(|d| [d[0], d[1]]).collect()
+}
+
+pub(super) fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}

@@ -5,11 +5,15 @@
 //! INPUTS=100000 FOLDERS=500 cargo test --release --test hostile -- --nocapture
 //! ```
 //!
+//! `SEEDS=folder` keeps what the mutations begin with, for `fuzz/`.
+//!
 //! Then files in results folders, of runs that have ended and of one that was killed: the next run gives
 //! the same results, or says what is wrong. The damage goes with a manifest that vouches for it, too.
 
 #[path = "hostile/random.rs"]
 mod random;
+#[path = "hostile/readers.rs"]
+mod readers;
 #[path = "hostile/targets.rs"]
 mod targets;
 mod workplace;
@@ -72,6 +76,10 @@ fn no_input_does_harm() {
     ];
     let targets = targets(&stored);
     targets.iter().for_each(targets::Target::assert_seeds);
+    if let Some(folder) = std::env::var_os("SEEDS") {
+        let write = |target: &targets::Target| target.write_seeds(Path::new(&folder));
+        targets.iter().for_each(write);
+    }
     std::panic::set_hook(Box::new(|_| {}));
     let mut faults = Vec::new();
     for (number, target) in targets.iter().enumerate() {

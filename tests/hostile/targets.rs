@@ -1,23 +1,17 @@
-//! What reads input, and inputs to begin with: each target is fed with mutations of its seeds and must
-//! end, without a panic, within the limits. `tests/hostile.rs` feeds some, `examples/hostile.rs` many.
-#![allow(dead_code)]
+//! Readers, and inputs to begin with: each target is fed with mutations of its seeds and must end,
+//! without a panic, within the limits.
 
 use super::random::Random;
+use super::readers::{Read, STORED, reader};
 use super::workplace::{PIPELINE, PLATE, repository};
-use peristitch::gmsh::geo_script::GeoScript;
 use peristitch::gmsh::{Block, Extract, Group};
-use peristitch::meshio::container::{self, Outcome};
-use peristitch::meshio::convert;
-use peristitch::pipeline::plan::Plan;
-use peristitch::pipeline::quantity::{self, Dimension};
+use peristitch::pipeline::stamp;
 use peristitch::pipeline::stored::Kind;
-use peristitch::pipeline::study::Study;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
-use tempfile::TempDir;
 
 /// Pieces that have broken readers before.
 const PIECES: [&[u8]; 22] = [
@@ -114,9 +108,6 @@ pub const MOST_BYTES: usize = 256 << 20;
 /// An input of 500 kB may be quadratic to complain of; none may take longer [s].
 pub const LONGEST: Duration = Duration::from_secs(5);
 
-/// Whether an input is taken, or why not.
-type Read = Box<dyn Fn(&[u8]) -> Result<(), String>>;
-
 pub struct Target {
     pub name: &'static str,
     seeds: Vec<Vec<u8>>,
@@ -143,6 +134,15 @@ impl Target {
         for seed in &self.seeds {
             let taken = (self.read)(seed);
             assert!(taken.is_ok(), "{}: its own seed: {taken:?}", self.name);
+        }
+    }
+
+    /// The seeds as files in `folder`/NAME, for `fuzz/`.
+    pub fn write_seeds(&self, folder: &Path) {
+        let folder = folder.join(self.name);
+        std::fs::create_dir_all(&folder).expect("writable");
+        for seed in &self.seeds {
+            std::fs::write(folder.join(stamp::hash(seed)), seed).expect("writable");
         }
     }
 
@@ -184,26 +184,6 @@ fn told(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().cloned();
     text.or_else(|| panic.downcast_ref::<&str>().map(|&text| text.to_owned()))
         .unwrap_or_default()
-}
-
-fn is(read: bool) -> Result<(), String> {
-    read.then_some(()).ok_or_else(|| "damaged".to_owned())
-}
-
-/// A file in a folder that lives as long as the reader.
-fn in_file(name: &str, read: impl Fn(&std::path::Path) -> Result<(), String> + 'static) -> Read {
-    let folder: TempDir = tempfile::tempdir().expect("a temporary folder");
-    std::fs::create_dir(folder.path().join("geo")).expect("a new folder");
-    for (from, to) in [("cantilever", "bar"), ("plate_mode_i", "plate")] {
-        let from = repository().join(format!("geo/{from}.geo"));
-        std::fs::copy(from, folder.path().join(format!("geo/{to}.geo"))).expect("a geometry");
-    }
-    let path: PathBuf = folder.path().join(name);
-    Box::new(move |bytes| {
-        let _alive = &folder;
-        std::fs::write(&path, bytes).expect("writable");
-        read(&path)
-    })
 }
 
 fn pipelines() -> Vec<Vec<u8>> {
@@ -262,91 +242,43 @@ fn container_bytes() -> Vec<u8> {
     bytes
 }
 
-/// `results`: of a small fracture run and of what an interrupted one leaves, for the stored files.
+/// `stored`: files of a small fracture run and of what an interrupted one leaves.
 pub fn targets(stored: &[(Kind, Vec<u8>)]) -> Vec<Target> {
-    let target = |name, seeds, read, place| Target {
+    let geo = repository().join("geo");
+    let target = |name, seeds, place| Target {
         name,
         seeds,
-        read,
+        read: reader(name, &geo).expect("a kind of input"),
         place,
     };
-    let geometry = |name: &str| std::fs::read(repository().join("geo").join(name)).expect("a .geo");
+    let geometry = |name: &str| std::fs::read(geo.join(name)).expect("a .geo");
+    let quantities = [
+        "12.5 mm",
+        "1/3",
+        "1.05 MPa",
+        "30 GPa",
+        "2e-8 m",
+        "5 N/m",
+        "1 kg/m^3",
+        "0.3",
+        "-1.5e3 J/m^2",
+    ];
+    let geometries = vec![
+        geometry("cantilever.geo"),
+        geometry("plate_mode_i.geo"),
+        b"DefineConstant[ a = {1, Min 0, Max 2, Name \"p/a\"}, b = \"x\" ];\nInclude \"geo/bar.geo\";\nPrintf(\"%g\", 1) >> \"f\";\nSystemCall StrCat(\"a\", 'b');\n".to_vec(),
+    ];
     let mut targets = vec![
-        target(
-            "pipeline",
-            pipelines(),
-            in_file("hostile.yaml", |path| {
-                // As the command line shows it: with file and line, or with the file's name.
-                let told = |error: peristitch::pipeline::source::InputError| {
-                    let place = error.place().map(|(file, line)| format!("{file}:{line}: "));
-                    place.unwrap_or_default() + &error.to_string()
-                };
-                Plan::read(path, &[], None).map(drop).map_err(told)
-            }),
-            Some("hostile.yaml"),
-        ),
-        target(
-            "sweep",
-            pipelines()[2..].to_vec(),
-            in_file("hostile.yaml", |path| {
-                Study::read(path, &[], None)
-                    .map(drop)
-                    .map_err(|error| error.to_string())
-            }),
-            None,
-        ),
-        target(
-            "quantity",
-            ["12.5 mm", "1/3", "1.05 MPa", "30 GPa", "2e-8 m", "5 N/m", "1 kg/m^3", "0.3", "-1.5e3 J/m^2"]
-                .map(|text| text.as_bytes().to_vec())
-                .to_vec(),
-            Box::new(|bytes| {
-                let text = String::from_utf8_lossy(bytes);
-                let _ = quantity::parse(&text, Dimension::LENGTH);
-                quantity::parse_any(&text)
-                    .map(drop)
-                    .map_err(|error| error.to_string())
-            }),
-            None,
-        ),
-        target(
-            "geometry",
-            vec![
-                geometry("cantilever.geo"),
-                geometry("plate_mode_i.geo"),
-                b"DefineConstant[ a = {1, Min 0, Max 2, Name \"p/a\"}, b = \"x\" ];\nInclude \"geo/bar.geo\";\nPrintf(\"%g\", 1) >> \"f\";\nSystemCall StrCat(\"a\", 'b');\n".to_vec(),
-            ],
-            in_file("hostile.geo", |path| {
-                GeoScript::scan(path).map(drop).map_err(|error| error.to_string())
-            }),
-            Some("hostile.geo"),
-        ),
-        target(
-            "meshio",
-            vec![container_bytes()],
-            Box::new(|bytes| match container::read(bytes)? {
-                Outcome::Failed { .. } => Err("failed".to_owned()),
-                Outcome::Mesh(container) => {
-                    let extract = convert::extract(&container).map_err(|e| e.to_string())?;
-                    extract.to_mesh(1.0).map(drop).map_err(|e| e.to_string())
-                }
-            }),
-            None,
-        ),
+        target("pipeline", pipelines(), Some("hostile.yaml")),
+        target("sweep", pipelines()[2..].to_vec(), None),
+        target("quantity", quantities.map(Vec::from).to_vec(), None),
+        target("geometry", geometries, Some("hostile.geo")),
+        target("meshio", vec![container_bytes()], None),
     ];
     let mesh = postcard::to_stdvec(&extract()).expect("plain data");
-    let stored = stored.iter().cloned().chain([(Kind::Mesh, mesh)]);
-    for (kind, bytes) in stored {
-        let name = match kind {
-            Kind::Mesh => "mesh.bin",
-            Kind::Solution => "solution.bin",
-            Kind::Frame => "frame",
-            Kind::Checkpoint => "checkpoint",
-            Kind::Journal => "journal",
-            Kind::Manifest => "manifest",
-        };
-        let read = Box::new(move |bytes: &[u8]| is(kind.reads(bytes)));
-        targets.push(target(name, vec![bytes], read, None));
+    for (kind, bytes) in stored.iter().cloned().chain([(Kind::Mesh, mesh)]) {
+        let known = STORED.iter().find(|(_, stored)| *stored == kind);
+        targets.push(target(known.expect("a kind").0, vec![bytes], None));
     }
     targets
 }

@@ -14,6 +14,8 @@ help:
 	@echo 'make bench  benchmarks'
 	@echo 'make bench-solvers  the linear solver beside CHOLMOD, MUMPS and MKL PARDISO, which this installs; half an hour'
 	@echo 'make audit  licences, sources and doubles of all that is linked, by cargo-deny'
+	@echo 'make fuzz   coverage-guided fuzzing of all that is read; SECONDS_EACH=600'
+	@echo 'make sanitize  tests under the address sanitizer'
 	@echo 'make hashes  the hashes of the Python packages, after a change of their versions'
 	@echo 'make lint   formatting, clippy and documentation without a warning'
 
@@ -59,6 +61,21 @@ reliability:
 	REPEATS=20 cargo test $(CARGO_FLAGS) --test same_files -- --nocapture
 	RUNS=500 cargo test $(CARGO_FLAGS) --test soak -- --nocapture
 
+# Coverage-guided, with cargo-fuzz: `cargo install cargo-fuzz`.
+fuzz:
+	@bash fuzz/run $(SECONDS_EACH)
+
+# The sanitizer is not part of stable Rust, its library is; METIS is compiled with it as well.
+sanitize: export RUSTC_BOOTSTRAP = 1
+sanitize: export RUSTFLAGS = -Zsanitizer=address
+sanitize: export CFLAGS = -fsanitize=address
+sanitize:
+	cargo test $(CARGO_FLAGS) --target "$$(rustc --print host-tuple)" --target-dir target/sanitize \
+		--lib $(foreach test,$(SANITIZED),--test $(test))
+
+# Of those that reach C: orderings by METIS. Gmsh's process limits its address space, which the sanitizer needs.
+SANITIZED = linear_solver fast_solver two_level refactorisation plates
+
 lint: format clippy doc
 
 format:
@@ -71,4 +88,4 @@ doc: export RUSTDOCFLAGS = --deny warnings
 doc:
 	cargo doc $(CARGO_FLAGS) --no-deps
 
-.PHONY: help run test setup bench bench-solvers audit hashes reliability lint format clippy doc
+.PHONY: help run test setup bench bench-solvers audit hashes reliability fuzz sanitize lint format clippy doc

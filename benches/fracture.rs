@@ -1,6 +1,7 @@
 //! What a fracture costs beside its own cold linear solve, and per broken bond:
-//! `cargo bench --bench fracture`, or `cargo bench --bench fracture -- 1/4` for one lattice spacing [mm].
-//! The plate of Qian et al. (2021), section 4.2; medians of three runs of the binary, on one thread.
+//! `cargo bench --bench fracture`, or for one lattice spacing [mm] and other settings
+//! `cargo bench --bench fracture -- 1/4 threads=2 runs=3 pipeline=plate_two_cracks`.
+//! The plates of Qian et al. (2021), section 4.2 or 4.3; medians of five runs of the binary, on one thread.
 //!
 //! Event-driven runs take at most 2000 events from the start, of some four bonds each; what the first
 //! linear solve costs is left out. The reference, a factorisation for every response, runs once and for
@@ -10,12 +11,11 @@ use serde_json::Value;
 use std::process::Command;
 use std::time::Instant;
 
-const RUNS: usize = 3;
 /// Events of a run. Half a millimetre is torn through within 816.
 const EVENTS: usize = 2000;
 const REFERENCE_EVENTS: usize = 6;
 /// Where one-pass runs are left out: a run takes minutes.
-const MOST_DOFS: u64 = 100_000;
+const MOST_DOFS: u64 = 130_000;
 
 /// Of 9 868, 18 868, 90 868 and 306 868 dofs [mm].
 const SPACINGS: [&str; 4] = ["1/2", "1/3", "1/7", "1/13"];
@@ -31,43 +31,65 @@ const COLD: [&str; 7] = [
     "solution",
 ];
 
+struct Settings {
+    pipeline: String,
+    threads: String,
+    runs: usize,
+}
+
 fn main() {
-    // Cargo adds options of its own.
-    let given: Vec<String> = std::env::args()
-        .skip(1)
-        .filter(|a| !a.starts_with('-'))
-        .collect();
-    let spacings = match given.is_empty() {
-        true => SPACINGS.map(str::to_owned).to_vec(),
-        false => given,
+    let mut settings = Settings {
+        pipeline: "plate_mode_i".to_owned(),
+        threads: "1".to_owned(),
+        runs: 5,
     };
+    let mut spacings = Vec::new();
+    // Cargo adds options of its own.
+    for given in std::env::args().skip(1).filter(|a| !a.starts_with('-')) {
+        match given.split_once('=') {
+            Some(("pipeline", name)) => settings.pipeline = name.to_owned(),
+            Some(("threads", count)) => settings.threads = count.to_owned(),
+            Some(("runs", count)) => settings.runs = count.parse().expect("a number"),
+            Some((other, _)) => panic!("{other}: pipeline, threads or runs"),
+            None => spacings.push(given),
+        }
+    }
+    if spacings.is_empty() {
+        spacings = SPACINGS.map(str::to_owned).to_vec();
+    }
     println!(
-        "{:>8} {:>8} {:>9} {:>12} {:>8} {:>12} {:>12} {:>10}",
+        "{:>8} {:>8} {:>9} {:>9} {:>13} {:>8} {:>12} {:>12} {:>10}",
         "dx [mm]",
         "dofs",
         "cold [s]",
+        "one pass",
         "one pass/cold",
         "bonds",
         "ms per bond",
         "reference",
         "ratio"
     );
-    spacings.iter().for_each(|spacing| row(spacing));
+    spacings.iter().for_each(|spacing| row(spacing, &settings));
 }
 
-fn row(spacing: &str) {
-    let events = median(spacing, "event-driven", EVENTS, false, RUNS);
-    let reference = median(spacing, "event-driven", REFERENCE_EVENTS, true, 1);
-    let one_pass = match events.dofs < MOST_DOFS {
+fn row(spacing: &str, settings: &Settings) {
+    let events = median(spacing, "event-driven", EVENTS, false, settings);
+    let once = Settings {
+        runs: 1,
+        pipeline: settings.pipeline.clone(),
+        threads: settings.threads.clone(),
+    };
+    let reference = median(spacing, "event-driven", REFERENCE_EVENTS, true, &once);
+    let [one_pass, over_cold] = match events.dofs < MOST_DOFS {
         true => {
-            let run = median(spacing, "one-pass", 130, false, RUNS);
-            format!("{:.2}", run.solve / run.cold)
+            let run = median(spacing, "one-pass", 130, false, settings);
+            [run.solve, run.solve / run.cold].map(|value| format!("{value:.2}"))
         }
-        false => "–".to_owned(),
+        false => ["–", "–"].map(str::to_owned),
     };
     let per_bond = |run: &Run| 1e3 * (run.solve - run.cold) / run.bonds;
     println!(
-        "{spacing:>8} {:>8} {:>9.3} {one_pass:>12} {:>8} {:>12.3} {:>12.1} {:>10.0}",
+        "{spacing:>8} {:>8} {:>9.3} {one_pass:>9} {over_cold:>13} {:>8} {:>12.3} {:>12.1} {:>10.0}",
         events.dofs,
         events.cold,
         events.bonds,
@@ -87,21 +109,28 @@ struct Run {
 }
 
 /// The run with the median time.
-fn median(spacing: &str, control: &str, steps: usize, is_reference: bool, runs: usize) -> Run {
-    let mut all: Vec<Run> = (0..runs)
-        .map(|_| run(spacing, control, steps, is_reference))
+fn median(
+    spacing: &str,
+    control: &str,
+    steps: usize,
+    is_reference: bool,
+    settings: &Settings,
+) -> Run {
+    let mut all: Vec<Run> = (0..settings.runs)
+        .map(|_| run(spacing, control, steps, is_reference, settings))
         .collect();
     all.sort_by(|a, b| a.solve.total_cmp(&b.solve));
-    all.swap_remove(runs / 2)
+    all.swap_remove(settings.runs / 2)
 }
 
-fn run(spacing: &str, control: &str, steps: usize, is_reference: bool) -> Run {
+fn run(spacing: &str, control: &str, steps: usize, is_reference: bool, settings: &Settings) -> Run {
     let results = tempfile::tempdir().expect("a temporary folder");
     let peristitch = |until: &str| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_peristitch"));
         command
             .current_dir(env!("CARGO_MANIFEST_DIR"))
-            .args(["run", "pipelines/plate_mode_i.yaml", "--threads", "1"])
+            .args(["run", &format!("pipelines/{}.yaml", settings.pipeline)])
+            .args(["--threads", &settings.threads])
             .args(["--until", until, "--results"])
             .arg(results.path());
         for value in [
@@ -124,7 +153,7 @@ fn run(spacing: &str, control: &str, steps: usize, is_reference: bool) -> Run {
     peristitch("mesh");
     let whole = peristitch("solve");
     peristitch("output");
-    let summary = std::fs::read(results.path().join("plate_mode_i/summary.json"));
+    let summary = std::fs::read(results.path().join(&settings.pipeline).join("summary.json"));
     let summary: Value = serde_json::from_slice(&summary.expect("a summary")).expect("JSON");
     let phases = summary["phases"].as_array().expect("phases");
     let seconds = |phase: &Value| phase["seconds"].as_f64().expect("a number");

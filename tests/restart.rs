@@ -34,6 +34,9 @@ fn results(place: &Workplace) -> BTreeMap<String, Vec<u8>> {
     files
 }
 
+/// The top free to move along 5 degrees to the x axis.
+const ON_ROLLERS: &str = "boundary.0.displacement={ y: 2.0e-8 m, angle: 5 deg }";
+
 fn run(place: &Workplace, more: &[&str]) -> Ended {
     place
         .call(&[&["run", "plate.yaml"], more].concat())
@@ -110,6 +113,8 @@ fn killed_once_and_resumed() {
         &[][..],
         &["--set", "loading.control=equilibrium"],
         &["--set", "loading.control=event-driven"],
+        &["--set", ON_ROLLERS],
+        &["--set", ON_ROLLERS, "--set", "loading.control=event-driven"],
     ] {
         let expected = undisturbed(more);
         for steps in [5, 32] {

@@ -3,6 +3,7 @@
 //! The list names each part of each step; ParaView offers the times on its time bar and the parts
 //! as blocks.
 
+use super::markup::escape;
 use super::{WriteError, write_whole};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -42,8 +43,8 @@ pub fn to_xml(entries: &[Entry]) -> Result<String, PvdError> {
             "    <DataSet timestep=\"{:?}\" part=\"{}\" name=\"{}\" file=\"{}\"/>",
             entry.time,
             entry.part,
-            escape(&entry.name),
-            escape(&entry.file),
+            attribute(&entry.name),
+            attribute(&entry.file),
         )
         .expect("writing to a string cannot fail");
     }
@@ -75,22 +76,13 @@ fn check(entry: &Entry) -> Result<(), PvdError> {
     Ok(())
 }
 
-/// `text` as the value of an XML attribute in double quotes.
-fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\t' => escaped.push_str("&#9;"),
-            '\n' => escaped.push_str("&#10;"),
-            '\r' => escaped.push_str("&#13;"),
-            other => escaped.push(other),
-        }
-    }
+/// `text` as an attribute's value: readers make spaces of line breaks, unless they are written as numbers.
+fn attribute(text: &str) -> String {
+    let escaped = escape(text);
     escaped
+        .replace('\t', "&#9;")
+        .replace('\n', "&#10;")
+        .replace('\r', "&#13;")
 }
 
 /// Why a list was not written.
@@ -132,7 +124,7 @@ mod tests {
             lines[3..6],
             [
                 r#"<DataSet timestep="0.0" part="0" name="fem" file="a/fem_0.vtu"/>"#,
-                r#"<DataSet timestep="1e-300" part="0" name="&quot;&lt;fem&gt; &amp; &#10;'" file="a/fem_1.vtu"/>"#,
+                r#"<DataSet timestep="1e-300" part="0" name="&quot;&lt;fem&gt; &amp; &#10;&#39;" file="a/fem_1.vtu"/>"#,
                 r#"<DataSet timestep="1e-300" part="1" name="points" file="a/points_1.vtu"/>"#,
             ]
         );

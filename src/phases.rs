@@ -104,6 +104,11 @@ pub fn held_memory() -> Option<u64> {
     memory("VmRSS:")
 }
 
+/// The address space that the process has reserved [bytes], where the system tells.
+pub fn reserved_memory() -> Option<u64> {
+    memory("VmSize:")
+}
+
 /// The memory that this process can have at most [bytes]: of the machine, or less in a container; where
 /// the system tells.
 pub fn machine_memory() -> Option<u64> {

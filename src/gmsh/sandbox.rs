@@ -4,6 +4,7 @@
 //! elsewhere, from Linux 6.7 on no connection made. An older kernel does what it can; what the script's text
 //! shows has been refused before, by [`super::guard`].
 
+use crate::phases::{machine_memory, reserved_memory};
 use landlock::{
     ABI, Access, AccessFs, AccessNet, PathBeneath, PathFd, Ruleset, RulesetAttr,
     RulesetCreatedAttr, RulesetError, RulesetStatus,
@@ -43,7 +44,12 @@ const LEAST_MEMORY: f64 = 8e9;
 
 /// Ends an endless hunger for memory with Gmsh, not with the machine.
 pub(super) fn limit_memory() {
-    let bytes = (MEMORY_SHARE * total_memory().unwrap_or(0.0)).max(LEAST_MEMORY) as u64;
+    let machine = machine_memory().unwrap_or(0) as f64;
+    let bytes = (MEMORY_SHARE * machine).max(LEAST_MEMORY) as u64;
+    // Whoever has reserved more already counts memory in another way: sanitizers reserve terabytes.
+    if reserved_memory().is_some_and(|reserved| reserved > bytes) {
+        return;
+    }
     // A lower limit from outside stays.
     let bytes = getrlimit(Resource::As)
         .current
@@ -54,14 +60,4 @@ pub(super) fn limit_memory() {
     };
     // It can only be lowered, which is always allowed.
     let _ = setrlimit(Resource::As, limit);
-}
-
-/// [bytes].
-fn total_memory() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text
-        .lines()
-        .find_map(|line| line.strip_prefix("MemTotal:"))?;
-    let kilobytes: f64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
-    Some(1024.0 * kilobytes)
 }

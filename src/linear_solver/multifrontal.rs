@@ -111,7 +111,8 @@ pub fn refactorise<F: Front>(
     let undone = std::mem::take(&mut kept.undone);
     let (path, missing) = kept.complete(structure, path.iter().copied().chain(undone).collect());
     let numeric = Numeric::new(structure, front, pool, &[]);
-    for update in numeric.subtrees(&missing, values, 0)? {
+    let updates = numeric.subtrees(&missing, values, 0);
+    for update in updates.inspect_err(|_| kept.undone.clone_from(&path))? {
         let stored = numeric.stored(update.supernode, &update.values);
         kept.updates.insert(update.supernode, stored);
         pool.give(update.values);

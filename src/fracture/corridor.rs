@@ -1,8 +1,8 @@
 //! Where bonds will break next: the nodes around the tips, and those ahead of them.
 //!
 //! A tip is where bonds are close to their limits. Its crack goes on away from what has broken behind it,
-//! so that the zone of a tip is what is strained now and a strip along that way. Where nothing has broken
-//! nearby, it is a disc.
+//! so that the zone of a tip is what is strained now, the families of what is close to its limit, and a strip
+//! along that way. Where nothing has broken nearby, it is a disc.
 
 use super::control::Problem;
 use super::event::Load;
@@ -21,6 +21,10 @@ const HALF_WIDTH: f64 = 1.25;
 const BACK: f64 = 2.0;
 const APART: f64 = 2.0;
 const WAKE: f64 = 4.0;
+
+/// Nodes as near as this to a bond that makes a tip belong to a zone [horizons]: tips that turn or stand apart
+/// from others leave the strips, and a bond whose nodes' families are not seen ends a zone before its first event.
+const FAMILY: f64 = 1.0;
 
 /// A tip's place [m], and the unit vector along which its crack goes on.
 struct Tip {
@@ -71,6 +75,14 @@ pub fn nodes(
             };
             *key = key.min(own);
         }
+    }
+    let is_close = |&&(_, utilisation): &&(usize, f64)| utilisation > TIP;
+    let close = strained.iter().filter(is_close);
+    let close: Vec<[f64; 2]> = close.map(|&(s, _)| middle(problem, s)).collect();
+    let is_family = |&x: &[f64; 2]| close.iter().any(|&at| distance(at, x) < FAMILY * horizon);
+    let family: Vec<bool> = model.positions.par_iter().map(is_family).collect();
+    for (key, _) in key.iter_mut().zip(family).filter(|(_, is_in)| *is_in) {
+        *key = key.min(0.0);
     }
     for &(spring, utilisation) in &strained {
         for &node in model.springs.nodes(spring) {

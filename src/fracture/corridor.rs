@@ -25,6 +25,9 @@ const WAKE: f64 = 4.0;
 /// Nodes as near as this to a bond that makes a tip belong to a zone [horizons]: tips that turn or stand apart
 /// from others leave the strips, and a bond whose nodes' families are not seen ends a zone before its first event.
 const FAMILY: f64 = 1.0;
+/// So many times as large as asked may a zone be for the sake of families: where much is strained at once, all
+/// of it would be.
+const MOST: usize = 2;
 
 /// A tip's place [m], and the unit vector along which its crack goes on.
 struct Tip {
@@ -32,7 +35,7 @@ struct Tip {
     way: Option<[f64; 2]>,
 }
 
-/// At most `count` nodes, ascending. `load` breaks the next bond.
+/// `count` nodes, or up to [`MOST`] times as many, ascending. `load` breaks the next bond.
 pub fn nodes(
     problem: &Problem,
     intact: &[bool],
@@ -81,14 +84,18 @@ pub fn nodes(
     let close: Vec<[f64; 2]> = close.map(|&(s, _)| middle(problem, s)).collect();
     let is_family = |&x: &[f64; 2]| close.iter().any(|&at| distance(at, x) < FAMILY * horizon);
     let family: Vec<bool> = model.positions.par_iter().map(is_family).collect();
-    for (key, _) in key.iter_mut().zip(family).filter(|(_, is_in)| *is_in) {
-        *key = key.min(0.0);
-    }
     for &(spring, utilisation) in &strained {
         for &node in model.springs.nodes(spring) {
             key[node as usize] = key[node as usize].min(-utilisation);
         }
     }
+    // Before all else, since without them a zone sees no event; half as many again go ahead of the tips.
+    let mut needed = 0;
+    for (key, _) in key.iter_mut().zip(family).filter(|(_, is_in)| *is_in) {
+        *key = -2.0;
+        needed += 1;
+    }
+    let count = count.max((needed + needed / 2).min(MOST * count));
     let mut nodes: Vec<usize> = (0..key.len()).filter(|&k| key[k] < f64::INFINITY).collect();
     let by_key = |a: &usize, b: &usize| key[*a].total_cmp(&key[*b]).then(a.cmp(b));
     if count < nodes.len() {

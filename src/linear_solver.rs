@@ -3,6 +3,7 @@
 //! gradients where factors would be too large.
 
 pub mod cholesky;
+pub mod columns;
 pub mod compliance;
 mod elimination_tree;
 pub mod held;

@@ -25,6 +25,7 @@
 use super::control::{Problem, TIE};
 use super::corridor;
 use super::event::{Bounds, Event, Load, is_at_limit};
+use super::failure::CriticalStretch;
 use super::functional::{Values, fields};
 use super::gone::{Gone, Start};
 use super::response::{Solutions, nan_max};
@@ -136,7 +137,7 @@ pub fn look_ahead(
         values: values.clone(),
         load,
     };
-    while let Some((next, cost)) = scout.cross(here, costs.dofs) {
+    while let Some((next, cost)) = scout.cross(here, &costs) {
         costs.add(cost, scout.ahead.gone.order.len());
         match next {
             Some(next) if !costs.is_due(scout.ahead.gone.touched()) => here = next,
@@ -147,23 +148,27 @@ pub fn look_ahead(
 }
 
 /// When the next factorisation is due: as soon as the next zone would cost more per bond than all since the
-/// last one have on average, that one included. From counts alone, in multiplications of a dense product.
+/// last one have on average, that one included. From counts alone, in multiplications and additions of a dense
+/// product.
 struct Costs {
     /// Dofs of a zone.
     dofs: usize,
     /// More touched dofs than these would take more memory than the factor.
     most_touched: f64,
+    /// Of L.
+    entries: f64,
     spent: f64,
     bonds: usize,
     /// Of the last zone: its cost apart from what is gone, and bonds.
     last: [f64; 2],
 }
 
-/// A sparse factorisation runs at some fifth of the rate of a dense product, a solution at a hundredth
-/// (docs/performance.md).
-const FACTORISATION: f64 = 4.0;
+/// What others cost beside a dense product, measured (docs/performance.md): a sparse factorisation, each of its
+/// flops; assembly and a first solution, the end of a zone, each entry of L; a bond, each entry of A'.
+const FACTORISATION: f64 = 2.5;
 const ASSEMBLY: f64 = 200.0;
-const SOLUTION: f64 = 100.0;
+const END: f64 = 300.0;
+const BOND: f64 = 6.0;
 
 /// The dofs of a zone: per bond they cost n², and the solutions at its end 1/n. The third root is the
 /// optimum, its factor measured.
@@ -176,10 +181,16 @@ impl Costs {
         Costs {
             dofs: (DOFS * entries).cbrt().max(FEWEST_DOFS) as usize,
             most_touched: entries.sqrt(),
+            entries,
             spent: FACTORISATION * flops + ASSEMBLY * entries,
             bonds: 0,
             last: [0.0; 2],
         }
+    }
+
+    /// Of what comes after the compliance of a zone of `n` dofs.
+    fn end(&self, n: usize, bonds: usize) -> f64 {
+        END * self.entries + BOND * (bonds * n * n) as f64
     }
 
     fn add(&mut self, cost: f64, bonds: usize) {
@@ -232,14 +243,14 @@ struct Crossing<'a> {
 impl Scout<'_> {
     /// One zone: where the next one begins, if there is an event, and what it has cost; `None` if it could
     /// not tell its first event.
-    fn cross(&mut self, here: Here, dofs: usize) -> Option<(Option<Here>, f64)> {
+    fn cross(&mut self, here: Here, costs: &Costs) -> Option<(Option<Here>, f64)> {
         let Here {
             solutions,
             values,
             load,
         } = here;
         let problem = self.problem;
-        let nodes = corridor::nodes(problem, &self.intact, &solutions, load, dofs / 2);
+        let nodes = corridor::nodes(problem, &self.intact, &solutions, load, costs.dofs / 2);
         let zone = Zone::new(problem, &self.intact, &nodes);
         let start = (self.ahead.gone).start(&self.ahead.factorised, &zone, self.base)?;
         let on_zone = self.fields.iter();
@@ -279,9 +290,7 @@ impl Scout<'_> {
                 count /= 2;
                 continue;
             };
-            let n = zone.dofs.len() as f64;
-            let entries = self.ahead.factorised.entries as f64;
-            let cost = start.flops + gone as f64 * n * n + (1 + LOOKS) as f64 * SOLUTION * entries;
+            let cost = start.flops + costs.end(zone.dofs.len(), gone);
             let is_whole = count == crossing.moments.len();
             self.accept(crossing, count, first);
             self.ahead.residual = nan_max(self.ahead.residual, end.residual());
@@ -300,17 +309,15 @@ impl Scout<'_> {
         let end = self.problem.programme.phases[self.phase].end;
         let mut last = self.load;
         let mut rim = RIM;
+        let mut stretches = Vec::new();
         while crossing.moments.len() < self.left {
-            let stretches = zone.survey(front);
-            let bounds = stretches.iter().fold(Bounds::NONE, |bounds, &(k, s)| {
-                bounds.and(Bounds::of(s, zone.limit(k), last.factor))
-            });
+            let bounds = zone.survey(front, last.factor, &mut stretches);
             let Event::Break(load) = bounds.event(last.factor, end) else {
                 return false;
             };
-            let at_rim = stretches.iter().filter(|&&(k, _)| zone.is_at_rim(k));
+            let at_rim = zone.at_rim.iter();
             let nearest = at_rim
-                .map(|&(k, s)| zone.limit(k).utilisation(load.combine(s)))
+                .map(|&k| zone.limit(k).utilisation(load.combine(stretches[k])))
                 .fold(0.0, nan_max);
             if crossing.moments.is_empty() {
                 rim = f64::max(RIM, 0.5 * (nearest + MARGIN));
@@ -325,10 +332,10 @@ impl Scout<'_> {
             if !is_far {
                 return true;
             }
-            let is_due = |&&(k, s): &&(usize, [f64; 2])| is_at_limit(s, zone.limit(k), load, TIE);
-            let due: Vec<(usize, [f64; 2])> = stretches.iter().filter(is_due).copied().collect();
+            let is_due = |&k: &usize| is_at_limit(stretches[k], zone.limit(k), load, TIE);
+            let due: Vec<usize> = (0..stretches.len()).filter(is_due).collect();
             let values = front.values.clone();
-            let bonds: Vec<usize> = due.iter().map(|&(k, _)| zone.springs[k]).collect();
+            let bonds: Vec<usize> = due.iter().map(|&k| zone.springs[k]).collect();
             if !bonds.iter().all(|&bond| front.release(zone, bond)) {
                 return false;
             }
@@ -336,10 +343,10 @@ impl Scout<'_> {
                 values,
                 gone: self.ahead.gone.order.len() + crossing.order.len(),
                 load,
-                before: due.iter().map(|&(_, s)| s).collect(),
+                before: due.iter().map(|&k| stretches[k]).collect(),
                 after: due
                     .iter()
-                    .map(|&(k, _)| zone.stretches(k, &front.displacement))
+                    .map(|&k| zone.stretches(k, &front.displacement))
                     .collect(),
                 bonds: bonds.clone(),
             });
@@ -361,10 +368,8 @@ impl Scout<'_> {
         for (k, solutions) in looks.iter().enumerate() {
             let to = moments[k];
             let loads: Vec<Load> = crossing.moments[from..to].iter().map(|m| m.load).collect();
-            let ring = &crossing.zone.ring;
-            let is_under = [last, solutions]
-                .iter()
-                .all(|u| self.utilisation(ring, u, &loads) < MARGIN);
+            let ring = crossing.zone.ring.par_iter().copied();
+            let is_under = self.utilisation(ring, &[last, solutions], &loads) < MARGIN;
             if !is_under {
                 return Err(from.min(to - 1));
             }
@@ -374,13 +379,14 @@ impl Scout<'_> {
             .iter()
             .map(|m| m.load)
             .collect();
-        match self.utilisation(&crossing.zone.ring, last, &loads) < MARGIN {
+        let ring = crossing.zone.ring.par_iter().copied();
+        match self.utilisation(ring, &[last], &loads) < MARGIN {
             true => Ok(()),
             false => Err(from.min(count - 1)),
         }
     }
 
-    /// u_held and u_unit everywhere behind some numbers of events.
+    /// u_held and u_unit next to the zone behind some numbers of events.
     fn displacements(&self, crossing: &Crossing, counts: &[usize]) -> Vec<Solutions> {
         let dofs = self.ahead.factorised.dofs();
         let cases: Vec<usize> = (0..2)
@@ -400,9 +406,8 @@ impl Scout<'_> {
                 .add_forces(gone, crossing.zone, case, &own, all);
         }
         if !forces.is_empty() {
-            self.ahead
-                .factorised
-                .respond(&mut forces, cases.len() * counts.len());
+            let (nodes, count) = (&crossing.zone.ring_nodes, cases.len() * counts.len());
+            (self.ahead.factorised).respond_at(nodes, &mut forces, count);
         }
         let moved = |before: &Solution, change: &[f64]| Solution {
             displacement: (before.displacement.iter().zip(change.chunks_exact(2)))
@@ -427,21 +432,25 @@ impl Scout<'_> {
     /// must be a solution.
     fn is_sound(&self, crossing: &Crossing, ends: [&Solutions; 2], count: usize) -> bool {
         let loads: Vec<Load> = crossing.moments[..count].iter().map(|m| m.load).collect();
-        let mut seen = crossing.zone.springs.iter().peekable();
-        let is_outside = |&spring: &usize| seen.next_if_eq(&&spring).is_none();
-        let intact = (0..self.intact.len()).filter(|&s| self.intact[s]);
-        let outside: Vec<usize> = intact.filter(is_outside).collect();
+        let mut is_outside = self.intact.clone();
+        for &spring in &crossing.zone.springs {
+            is_outside[spring] = false;
+        }
+        let all = (0..is_outside.len()).into_par_iter();
+        let outside = all.filter(|&spring| is_outside[spring]);
         // False for what is not a number.
         let is_exact = ends[1].residual() <= DRIFT;
-        is_exact
-            && ends
-                .iter()
-                .all(|u| self.utilisation(&outside, u, &loads) < MARGIN)
+        is_exact && self.utilisation(outside, &ends, &loads) < MARGIN
     }
 
-    /// A bound of the largest stretch over its limit of some springs under any of the loads: convex in
-    /// (μ, μ λ), so that it lies at a corner of their box.
-    fn utilisation(&self, springs: &[usize], solutions: &Solutions, loads: &[Load]) -> f64 {
+    /// A bound of the largest stretch over its limit of some springs with any of the responses and under any of
+    /// the loads: convex in (μ, μ λ), so that it lies at a corner of their box.
+    fn utilisation(
+        &self,
+        springs: impl ParallelIterator<Item = usize>,
+        responses: &[&Solutions],
+        loads: &[Load],
+    ) -> f64 {
         let range = |of: fn(&Load) -> f64| {
             let all = || loads.iter().map(of);
             [
@@ -451,9 +460,7 @@ impl Scout<'_> {
         };
         let shares = range(|load| load.share);
         let factors = range(|load| load.share * load.factor);
-        let largest = |&spring: &usize| {
-            let [held, unit] = solutions.rough_stretches(self.problem, spring);
-            let limit = self.problem.limits.of(spring);
+        let of_stretches = |limit: CriticalStretch, [held, unit]: [f64; 2]| {
             let corners = shares
                 .iter()
                 .flat_map(|a| factors.iter().map(move |b| (a, b)));
@@ -461,8 +468,14 @@ impl Scout<'_> {
                 .map(|(a, b)| limit.utilisation(a * held + b * unit))
                 .fold(0.0, nan_max)
         };
-        let all = springs.par_iter().map(largest);
-        all.reduce(|| 0.0, nan_max)
+        let largest = |spring: usize| {
+            let limit = self.problem.limits.of(spring);
+            let stretches = responses.iter();
+            stretches
+                .map(|u| of_stretches(limit, u.rough_stretches(self.problem, spring)))
+                .fold(0.0, nan_max)
+        };
+        springs.map(largest).reduce(|| 0.0, nan_max)
     }
 
     fn accept(&mut self, crossing: Crossing, count: usize, first: usize) {

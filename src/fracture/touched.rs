@@ -2,8 +2,10 @@
 
 use super::control::Problem;
 use super::dense::Lu;
+use crate::linear_solver::columns::{add, slice, slice_mut};
+use crate::linear_solver::compliance::UnitLoads;
 use crate::statics::{Factorised, Solution};
-use faer::{ColMut, ColRef, Mat};
+use faer::Mat;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A pivot of I − G S below this share of the largest: what is left is a mechanism, or too close to one.
@@ -34,7 +36,8 @@ pub struct Touched {
     is_active: Vec<bool>,
     /// G [m/N].
     compliance: Mat<f64>,
-    /// K⁻¹ E, column by column, where K is not symmetric [m/N].
+    /// L⁻¹ E of Cholesky's factor, or K⁻¹ E, column by column, where K is not symmetric [m/N].
+    loads: UnitLoads,
     columns: Vec<f64>,
     /// What is gone, and I − G S; columns that are not active are those of I.
     springs: Vec<Spring>,
@@ -49,6 +52,7 @@ impl Touched {
             active: Vec::new(),
             is_active: Vec::new(),
             compliance: Mat::new(),
+            loads: UnitLoads::default(),
             columns: Vec::new(),
             springs: Vec::new(),
             system: Mat::new(),
@@ -119,11 +123,15 @@ impl Touched {
         let new = &self.dofs[known..];
         self.compliance.resize_with(size, size, |_, _| 0.0);
         let mut compliance = self.compliance.as_mut();
-        if let Some(block) = factorised.compliance_between(&self.dofs, new) {
-            let mut columns = compliance.as_mut().subcols_mut(known, new.len());
-            columns.copy_from(&block);
-            let mut rows = compliance.submatrix_mut(known, 0, new.len(), known);
-            rows.copy_from(block.subrows(0, known).transpose());
+        if let Some(loads) = factorised.unit_loads(new) {
+            let (between, own) = (self.loads.product(&loads), loads.square());
+            let (old, added) = compliance.split_at_row_mut(known);
+            let (_, mut above) = old.split_at_col_mut(known);
+            let (mut beside, mut corner) = added.split_at_col_mut(known);
+            above.copy_from(&between);
+            beside.copy_from(between.transpose());
+            corner.copy_from(&own);
+            self.loads.extend(loads);
             return;
         }
         let dofs = factorised.dofs();
@@ -282,19 +290,4 @@ impl Touched {
         }
         change
     }
-}
-
-/// u += scale · a.
-fn add(u: &mut [f64], scale: f64, a: &[f64]) {
-    u.iter_mut().zip(a).for_each(|(u, a)| *u += scale * a);
-}
-
-fn slice_mut(column: ColMut<'_, f64>) -> &mut [f64] {
-    let column = column.try_as_col_major_mut();
-    column.expect("stored by columns").as_slice_mut()
-}
-
-fn slice(column: ColRef<'_, f64>) -> &[f64] {
-    let column = column.try_as_col_major();
-    column.expect("stored by columns").as_slice()
 }

@@ -7,9 +7,9 @@
 //! (I − G S) z = Eᵀ u,   u' = u + K⁻¹ E S z
 //! ```
 //!
-//! holds for an S of any rank, singular or not. G grows by the dofs that a pass adds, and costs what lies
-//! on their way through the elimination tree (`linear_solver/path.rs`); the dense system is small; then
-//! one solution finds u' everywhere, and its true residual is checked.
+//! holds for an S of any rank, singular or not. G = Xᵀ X with X = L⁻¹ E grows by the dofs that a pass adds, and
+//! costs what lies on their way through the elimination tree (`linear_solver/compliance.rs`); the dense system is
+//! small; then one solution finds u' everywhere, and its true residual is checked.
 //!
 //! Where the next update would cost more than that, the factorisation itself follows the bonds that are
 //! gone (`linear_solver/multifrontal.rs`): the supernodes above them are factorised anew, with the bits of
@@ -138,20 +138,28 @@ impl Update {
     /// # Errors
     /// What the solver reports.
     pub fn refactorise(
-        mut self,
+        self,
         solver: &Solver,
         state: &mut State,
         phases: &mut Phases,
     ) -> Result<Option<Factorised>, StaticsError> {
+        let Update {
+            mut factorised,
+            first,
+            touched,
+            ..
+        } = self;
+        // The memory is needed for what supernodes pass up.
+        drop(touched);
         let done = solver.refactorise(
-            &mut self.factorised,
-            &state.broken[self.first..],
+            &mut factorised,
+            &state.broken[first..],
             &state.intact,
             &state.fragments,
             &mut state.mechanisms,
             phases,
         )?;
-        Ok(done.then_some(self.factorised))
+        Ok(done.then_some(factorised))
     }
 
     fn solve(
@@ -200,7 +208,7 @@ struct Costs {
     /// Of one dof that comes in, and of a solution.
     per_dof: f64,
     solution: f64,
-    /// More dofs than these would take more memory than the factor.
+    /// More dofs than these would take as much memory as the factor.
     most_dofs: usize,
     spent: f64,
     updates: usize,
@@ -225,7 +233,8 @@ impl Costs {
             false => factorised.flops_above(&nodes),
         };
         let most_dofs = match factorised.is_symmetric() {
-            true => entries.sqrt(),
+            // G, I − G S and its factors, and X with some more rows than these.
+            true => (entries / 9.0).sqrt(),
             false => entries / factorised.dofs() as f64,
         };
         Costs {

@@ -1,9 +1,11 @@
 //! The dofs around the tips, the springs between them, and their compliance while springs go.
 
 use super::control::Problem;
+use super::event::Bounds;
 use super::failure::CriticalStretch;
 use super::functional::Values;
 use super::response::Solutions;
+use crate::linear_solver::columns::{add, slice};
 use crate::model::Model;
 use crate::statics::Solution;
 use faer::linalg::matmul::matmul;
@@ -16,6 +18,9 @@ const RIM_SHARE: f64 = 0.4;
 /// Below this d the bond was about the last to hold something: what is left is a mechanism, or too close
 /// to one for the update.
 const LEAST_DENOMINATOR: f64 = 1e-7;
+
+/// Springs that one thread surveys at a time.
+const CHUNK: usize = 1024;
 
 /// Updates of A that wait to be applied together.
 const PENDING: usize = 48;
@@ -32,10 +37,12 @@ pub struct Zone {
     lengths: Vec<f64>,
     limits: Vec<CriticalStretch>,
     stiffness: Vec<f64>,
-    /// Whether one of its nodes has intact springs to nodes outside.
-    is_at_rim: Vec<bool>,
+    /// Places of those of which one node has many intact springs to nodes outside.
+    pub at_rim: Vec<usize>,
     /// Springs outside with a node in the zone, or next to one that has, ascending.
     pub ring: Vec<usize>,
+    /// Their nodes, ascending.
+    pub ring_nodes: Vec<u32>,
 }
 
 /// How a node stands to the zone.
@@ -69,8 +76,9 @@ impl Zone {
             lengths: Vec::new(),
             limits: Vec::new(),
             stiffness: Vec::new(),
-            is_at_rim: Vec::new(),
+            at_rim: Vec::new(),
             ring: Vec::new(),
+            ring_nodes: Vec::new(),
         };
         // Unbreakable ones need no watching.
         let breaks = |s: usize| problem.limits.of(s) != CriticalStretch::UNBREAKABLE;
@@ -98,6 +106,10 @@ impl Zone {
         }
         inside.iter().for_each(|&s| zone.add(problem, &places, s));
         zone.ring = touching(&|&node| places[node as usize] == Place::Next);
+        let nodes = zone.ring.iter().flat_map(|&s| model.springs.nodes(s));
+        zone.ring_nodes = nodes.copied().collect();
+        zone.ring_nodes.sort_unstable();
+        zone.ring_nodes.dedup();
         zone
     }
 
@@ -105,7 +117,6 @@ impl Zone {
         let Model {
             springs, positions, ..
         } = problem.model;
-        self.springs.push(spring);
         let mut is_at_rim = false;
         problem.model.for_each_term(spring, |node, [x, y]| {
             if let Place::Inside(dof) | Place::Rim(dof) = places[node as usize] {
@@ -113,7 +124,10 @@ impl Zone {
             }
             is_at_rim |= matches!(places[node as usize], Place::Rim(_));
         });
-        self.is_at_rim.push(is_at_rim);
+        if is_at_rim {
+            self.at_rim.push(self.springs.len());
+        }
+        self.springs.push(spring);
         self.start.push(self.terms.len());
         self.lengths.push(springs.length(spring, positions));
         self.limits.push(problem.limits.of(spring));
@@ -143,20 +157,26 @@ impl Zone {
         })
     }
 
-    /// Stretches of every spring, nothing for those that have gone.
-    pub fn survey(&self, front: &Front) -> Vec<(usize, [f64; 2])> {
-        let there = (0..self.springs.len()).filter(|&k| front.intact[k]);
-        there
-            .map(|k| (k, self.stretches(k, &front.displacement)))
-            .collect()
+    /// Stretches of every spring, nothing for those that have gone, and what they allow; λ is `last` now.
+    pub fn survey(&self, front: &Front, last: f64, stretches: &mut Vec<[f64; 2]>) -> Bounds {
+        stretches.resize(self.springs.len(), [0.0; 2]);
+        let chunks = stretches.par_chunks_mut(CHUNK).enumerate();
+        let bounds = chunks.map(|(chunk, stretches)| {
+            let mut bounds = Bounds::NONE;
+            for (k, stretch) in (chunk * CHUNK..).zip(stretches) {
+                *stretch = match front.intact[k] {
+                    true => self.stretches(k, &front.displacement),
+                    false => [0.0; 2],
+                };
+                bounds = bounds.and(Bounds::of(*stretch, self.limits[k], last));
+            }
+            bounds
+        });
+        bounds.reduce(|| Bounds::NONE, Bounds::and)
     }
 
     pub fn limit(&self, place: usize) -> CriticalStretch {
         self.limits[place]
-    }
-
-    pub fn is_at_rim(&self, place: usize) -> bool {
-        self.is_at_rim[place]
     }
 
     /// The forces k (w·u) w of springs, dof by dof of the zone [N].
@@ -249,12 +269,7 @@ impl Front {
         let n = self.compliance.nrows();
         let mut a = vec![0.0; n];
         for &(dof, w) in w {
-            let column = self.compliance.col(dof as usize);
-            let column = column
-                .try_as_col_major()
-                .expect("stored by columns")
-                .as_slice();
-            add(&mut a, w, column);
+            add(&mut a, w, slice(self.compliance.col(dof as usize)));
         }
         for p in self.pending.chunks_exact(n) {
             add(&mut a, dot(w, p), p);
@@ -281,9 +296,4 @@ impl Front {
 /// w·u.
 fn dot(w: &[(u32, f64)], u: &[f64]) -> f64 {
     w.iter().map(|&(dof, w)| w * u[dof as usize]).sum()
-}
-
-/// u += scale · a.
-fn add(u: &mut [f64], scale: f64, a: &[f64]) {
-    u.iter_mut().zip(a).for_each(|(u, a)| *u += scale * a);
 }

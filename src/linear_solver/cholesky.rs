@@ -9,7 +9,7 @@ use super::held::{Held, HeldColumns};
 use super::multifrontal::{self, Child, Front, Kept, NotPositive, Pool, parallelism};
 use super::ordering::{Ordering, elimination_order};
 use super::supernodes::Supernodes;
-use super::triangular::{self, Factors};
+use super::triangular::{self, Factors, Wanted};
 use crate::assembly::{Lists, LowerMatrix};
 use faer::dyn_stack::{MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
@@ -210,7 +210,18 @@ impl Factor {
     /// The same for `columns` right-hand sides one after the other: eight cost little more than one.
     pub fn solve_many_in_place(&self, rhs: &mut [f64], columns: usize) {
         let factors = Factors::Symmetric(&self.values);
-        triangular::solve(&self.structure, factors, rhs, columns);
+        triangular::solve(&self.structure, factors, rhs, columns, Wanted::All);
+    }
+
+    /// The same where only the unknowns of some nodes are asked for; the others may become nothing. Reads no more
+    /// of L than what is above the nodes, and above those with forces.
+    pub fn solve_many_at(&self, nodes: &[u32], rhs: &mut [f64], columns: usize) {
+        let mut wanted = vec![false; self.structure.n_supernodes()];
+        for s in self.structure.above(nodes) {
+            wanted[s] = true;
+        }
+        let (factors, wanted) = (Factors::Symmetric(&self.values), Wanted::Some(&wanted));
+        triangular::solve(&self.structure, factors, rhs, columns, wanted);
     }
 }
 

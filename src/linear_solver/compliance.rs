@@ -9,13 +9,20 @@
 //! tenth of L.
 
 use super::cholesky::Factor;
+use super::columns::{slice, slice_mut};
 use super::path::Path;
 use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, Mat, Par};
 use rayon::prelude::*;
+use std::ops::Range;
 
-/// Columns of X that one thread computes at a time.
-const BLOCK: usize = 256;
+/// Most columns of X that one thread computes at a time: as many keep products of dense blocks at their full
+/// rate.
+const BLOCK: usize = 480;
+
+/// Fewer are not shared out.
+const FEWEST: usize = 24;
 
 /// L⁻¹ E of a list of dofs.
 #[derive(Default)]
@@ -28,13 +35,31 @@ pub struct UnitLoads {
 
 /// Columns of X that share a path.
 struct Block {
-    /// Which of the dofs.
+    /// Which of the dofs, in the order of their columns of L.
     members: Vec<usize>,
-    /// Columns of L in ascending order: the first one of each stretch, its place among the rows, its length.
-    stretches: Vec<[usize; 3]>,
-    /// Xᵀ: members × rows.
+    /// Ascending.
+    stretches: Vec<Stretch>,
+    /// X: rows of the path × members.
     x: Mat<f64>,
     flops: f64,
+}
+
+/// Neighbouring columns of L, and the members that have entries there.
+#[derive(Clone)]
+struct Stretch {
+    begin: usize,
+    len: usize,
+    /// Where the first one stands among the rows of X.
+    row: usize,
+    members: Range<usize>,
+}
+
+/// Where two blocks have the same columns of L.
+struct Common {
+    /// Rows in either, and how many.
+    rows: [usize; 2],
+    len: usize,
+    members: [Range<usize>; 2],
 }
 
 impl UnitLoads {
@@ -46,6 +71,12 @@ impl UnitLoads {
         self.len == 0
     }
 
+    /// Rows of X, at most.
+    pub fn rows(&self) -> usize {
+        let rows = self.blocks.iter().map(|block| block.x.nrows());
+        rows.max().unwrap_or(0)
+    }
+
     /// Xᵢᵀ Xⱼ, on all threads with the same bits on any number of them.
     pub fn product(&self, other: &UnitLoads) -> Mat<f64> {
         let pairs: Vec<(&Block, &Block)> = (self.blocks.iter())
@@ -53,35 +84,34 @@ impl UnitLoads {
             .collect();
         let each = pairs.par_iter().map(|(a, b)| a.product(b));
         let products: Vec<Mat<f64>> = each.collect();
-        self.collect(other, &pairs, &products, false)
+        let mut all = Mat::zeros(self.len, other.len);
+        for ((a, b), product) in pairs.iter().zip(&products) {
+            for (product, &column) in product.col_iter().zip(&b.members) {
+                let to = slice_mut(all.col_mut(column));
+                let rows = a.members.iter().zip(slice(product));
+                rows.for_each(|(&row, value)| to[row] = *value);
+            }
+        }
+        all
     }
 
     /// Xᵀ X.
     pub fn square(&self) -> Mat<f64> {
         let blocks = self.blocks.iter().enumerate();
         let pairs: Vec<(&Block, &Block)> = blocks
-            .flat_map(|(i, a)| self.blocks[..=i].iter().map(move |b| (a, b)))
+            .flat_map(|(i, a)| self.blocks[i..].iter().map(move |b| (a, b)))
             .collect();
-        let each = pairs.par_iter().map(|(a, b)| a.product(b));
+        let each = pairs.par_iter().map(|(a, b)| match std::ptr::eq(*a, *b) {
+            true => a.square(),
+            false => a.product(b),
+        });
         let products: Vec<Mat<f64>> = each.collect();
-        self.collect(self, &pairs, &products, true)
-    }
-
-    fn collect(
-        &self,
-        other: &UnitLoads,
-        pairs: &[(&Block, &Block)],
-        products: &[Mat<f64>],
-        is_symmetric: bool,
-    ) -> Mat<f64> {
-        let mut all = Mat::zeros(self.len, other.len);
-        for ((a, b), product) in pairs.iter().zip(products) {
-            for (j, &column) in b.members.iter().enumerate() {
-                for (i, &row) in a.members.iter().enumerate() {
-                    all[(row, column)] = product[(i, j)];
-                    if is_symmetric {
-                        all[(column, row)] = product[(i, j)];
-                    }
+        let mut all = Mat::zeros(self.len, self.len);
+        for ((a, b), product) in pairs.iter().zip(&products) {
+            for (product, &column) in product.col_iter().zip(&b.members) {
+                for (&row, value) in a.members.iter().zip(slice(product)) {
+                    all[(row, column)] = *value;
+                    all[(column, row)] = *value;
                 }
             }
         }
@@ -106,9 +136,20 @@ impl UnitLoads {
             }
         }
     }
-}
 
-impl UnitLoads {
+    /// Takes all loads of others, at the end.
+    pub fn extend(&mut self, other: UnitLoads) {
+        for mut block in other.blocks {
+            block
+                .members
+                .iter_mut()
+                .for_each(|place| *place += self.len);
+            self.blocks.push(block);
+        }
+        self.len += other.len;
+        self.flops += other.flops;
+    }
+
     /// Drops all but the first ones, of which whole lists have been appended.
     pub fn truncate(&mut self, len: usize) {
         self.blocks
@@ -120,11 +161,19 @@ impl UnitLoads {
 impl Block {
     /// The columns at these places in the block, and what they are called in the new one.
     fn select(&self, kept: &[(usize, usize)]) -> Block {
-        let of = |i: usize, j: usize| self.x[(kept[i].0, j)];
+        let before = |limit: usize| kept.partition_point(|&(place, _)| place < limit);
+        let stretches = self.stretches.iter().map(|stretch| Stretch {
+            members: before(stretch.members.start)..before(stretch.members.end),
+            ..stretch.clone()
+        });
+        let mut x = Mat::zeros(self.x.nrows(), kept.len());
+        for (mut to, &(place, _)) in x.col_iter_mut().zip(kept) {
+            to.copy_from(self.x.col(place));
+        }
         Block {
             members: kept.iter().map(|&(_, target)| target).collect(),
-            stretches: self.stretches.clone(),
-            x: Mat::from_fn(kept.len(), self.x.ncols(), of),
+            stretches: stretches.collect(),
+            x,
             flops: 0.0,
         }
     }
@@ -132,27 +181,68 @@ impl Block {
     /// Xᵢᵀ Xⱼ.
     fn product(&self, other: &Block) -> Mat<f64> {
         let mut product = Mat::zeros(self.members.len(), other.members.len());
-        for [a, b, count] in common(&self.stretches, &other.stretches) {
-            let left = self.x.subcols(a, count);
-            let right = other.x.subcols(b, count).transpose();
-            matmul(product.as_mut(), Accum::Add, left, right, 1.0, Par::Seq);
+        for common in common(&self.stretches, &other.stretches) {
+            let [left, right] = [(self, 0), (other, 1)].map(|(block, k)| {
+                let members = common.members[k].clone();
+                let rows = block.x.subrows(common.rows[k], common.len);
+                rows.subcols(members.start, members.len())
+            });
+            let [rows, columns] = common.members;
+            let to = product.as_mut().submatrix_mut(
+                rows.start,
+                columns.start,
+                rows.len(),
+                columns.len(),
+            );
+            matmul(to, Accum::Add, left.transpose(), right, 1.0, Par::Seq);
         }
         product
     }
+
+    /// Xᵀ X, its upper triangle; both sides of the diagonal in what follows from it.
+    fn square(&self) -> Mat<f64> {
+        let size = self.members.len();
+        let mut square = Mat::zeros(size, size);
+        for stretch in &self.stretches {
+            let (first, count) = (stretch.members.start, stretch.members.len());
+            let x = self.x.submatrix(stretch.row, first, stretch.len, count);
+            triangular::matmul(
+                square.as_mut().submatrix_mut(first, first, count, count),
+                BlockStructure::TriangularUpper,
+                Accum::Add,
+                x.transpose(),
+                BlockStructure::Rectangular,
+                x,
+                BlockStructure::Rectangular,
+                1.0,
+                Par::Seq,
+            );
+        }
+        for j in 0..size {
+            for i in 0..j {
+                square[(j, i)] = square[(i, j)];
+            }
+        }
+        square
+    }
 }
 
-/// Where both have the same columns of L: the places in either, and how many.
-fn common(a: &[[usize; 3]], b: &[[usize; 3]]) -> Vec<[usize; 3]> {
-    let mut found: Vec<[usize; 3]> = Vec::new();
+fn common(a: &[Stretch], b: &[Stretch]) -> Vec<Common> {
+    let mut found: Vec<Common> = Vec::new();
     let (mut i, mut j) = (0, 0);
     while i < a.len() && j < b.len() {
-        let ([first, at, len], [other, other_at, other_len]) = (a[i], b[j]);
-        let begin = first.max(other);
-        let end = (first + len).min(other + other_len);
+        let (one, other) = (&a[i], &b[j]);
+        let begin = one.begin.max(other.begin);
+        let [one_end, other_end] = [one, other].map(|s| s.begin + s.len);
+        let end = one_end.min(other_end);
         if begin < end {
-            found.push([at + begin - first, other_at + begin - other, end - begin]);
+            found.push(Common {
+                rows: [one, other].map(|s| s.row + begin - s.begin),
+                len: end - begin,
+                members: [one, other].map(|s| s.members.clone()),
+            });
         }
-        if first + len <= other + other_len {
+        if one_end <= other_end {
             i += 1;
         } else {
             j += 1;
@@ -169,8 +259,7 @@ impl Factor {
         // Neighbours in the elimination tree share a block.
         let mut order: Vec<usize> = (0..dofs.len()).filter(|&k| is_loaded(dofs[k])).collect();
         order.sort_by_key(|&k| columns[k]);
-        let count = order.len().div_ceil(BLOCK).max(1);
-        let blocks: Vec<Block> = (order.par_chunks(order.len().div_ceil(count).max(1)))
+        let blocks: Vec<Block> = (order.par_chunks(block_size(order.len())))
             .map(|block| {
                 let columns: Vec<usize> = block.iter().map(|&k| columns[k]).collect();
                 self.block(&columns, block.to_vec())
@@ -183,33 +272,54 @@ impl Factor {
         }
     }
 
-    /// Goes up the tree with unit loads at some columns of L.
+    /// Goes up the tree with unit loads at some columns of L, ascending.
     fn block(&self, columns: &[usize], members: Vec<usize>) -> Block {
         let path = Path::new(self.supernodes(), columns);
-        let mut x = Mat::zeros(columns.len(), path.rows);
+        let mut x = Mat::zeros(path.rows, columns.len());
         for (j, &column) in columns.iter().enumerate() {
-            x[(j, path.row(column))] = 1.0;
+            x[(path.row(column), j)] = 1.0;
         }
         let most = path.steps.iter().map(|s| s.below.len()).max();
-        let mut beside = Mat::zeros(columns.len(), most.unwrap_or(0));
-        let mut entries = 0;
-        let mut stretches: Vec<[usize; 3]> = Vec::new();
+        let mut beside = Mat::zeros(most.unwrap_or(0), columns.len());
+        let mut flops = 0;
+        let mut stretches: Vec<Stretch> = Vec::new();
         for step in &path.steps {
-            let below = step.below.len();
-            self.step_up(step, x.as_mut(), beside.as_mut().subcols_mut(0, below));
-            entries += step.width * (step.width + below);
+            let (width, below) = (step.width, step.below.len());
+            let (first, count) = (step.members.start, step.members.len());
+            let own = x.as_mut().subcols_mut(first, count);
+            let beside = beside.as_mut().submatrix_mut(0, first, below, count);
+            self.step_up(step, own, beside);
+            flops += count * width * (width + 2 * below);
             match stretches.last_mut() {
-                Some([begin, _, len]) if *begin + *len == step.begin => *len += step.width,
-                _ => stretches.push([step.begin, step.first_row, step.width]),
+                Some(last)
+                    if last.begin + last.len == step.begin && last.members == step.members =>
+                {
+                    last.len += width;
+                }
+                _ => stretches.push(Stretch {
+                    begin: step.begin,
+                    len: width,
+                    row: step.first_row,
+                    members: step.members.clone(),
+                }),
             }
         }
         Block {
-            flops: 2.0 * (columns.len() * entries) as f64,
+            flops: flops as f64,
             members,
             stretches,
             x,
         }
     }
+}
+
+/// An even number of equal blocks, if there are enough columns for them.
+fn block_size(columns: usize) -> usize {
+    let blocks = match columns < 2 * FEWEST {
+        true => 1,
+        false => 2 * columns.div_ceil(2 * BLOCK),
+    };
+    columns.div_ceil(blocks).max(1)
 }
 
 #[cfg(test)]

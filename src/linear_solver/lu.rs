@@ -16,7 +16,7 @@ use super::held::{Held, HeldColumns};
 use super::multifrontal::{self, Child, Front, Kept, NotPositive, Pool, parallelism};
 use super::partial_pivoting::{self, MOST_GROWTH, norm, random};
 use super::supernodes::Supernodes;
-use super::triangular::{self, Factors, pivoted_start};
+use super::triangular::{self, Factors, Wanted, pivoted_start};
 use crate::assembly::full::{FullMatrix, mean_diagonal};
 use crate::assembly::stiffness::hold;
 use faer::dyn_stack::{MemStack, StackReq};
@@ -205,7 +205,8 @@ impl Own {
     }
 
     fn solve_in_place(&self, rhs: &mut [f64]) {
-        triangular::solve(&self.structure, Factors::Pivoted(&self.values), rhs, 1);
+        let factors = Factors::Pivoted(&self.values);
+        triangular::solve(&self.structure, factors, rhs, 1, Wanted::All);
     }
 
     fn is_sound(&self, matrix: &FullMatrix, held: Held) -> bool {

@@ -34,7 +34,7 @@ const LARGE: f64 = 2e8;
 const PARTS: usize = 8;
 
 /// The column of a pivot that is not positive.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct NotPositive(pub usize);
 
 /// One kind of factorisation, front by front.
@@ -111,42 +111,41 @@ pub fn refactorise<F: Front>(
     let undone = std::mem::take(&mut kept.undone);
     let (path, missing) = kept.complete(structure, path.iter().copied().chain(undone).collect());
     let numeric = Numeric::new(structure, front, pool, &[]);
-    let updates = numeric.subtrees(&missing, values, 0);
-    for update in updates.inspect_err(|_| kept.undone.clone_from(&path))? {
-        let stored = numeric.stored(update.supernode, &update.values);
-        kept.updates.insert(update.supernode, stored);
-        pool.give(update.values);
+    let updates = numeric.stored_subtrees(&missing, values);
+    kept.updates
+        .extend(updates.inspect_err(|_| kept.undone.clone_from(&path))?);
+    numeric.along(&path, values, kept)
+}
+
+/// The numbers of each supernode of a path.
+fn blocks<'v, F: Front>(
+    front: &F,
+    mut values: &'v mut [f64],
+    path: &[usize],
+) -> BTreeMap<usize, &'v mut [f64]> {
+    let mut offset = 0;
+    let block = |&s: &usize| {
+        let [begin, end] = [s, s + 1].map(|s| front.start(s));
+        let rest = &mut std::mem::take(&mut values)[begin - offset..];
+        let (own, rest) = rest.split_at_mut(end - begin);
+        (values, offset) = (rest, end);
+        (s, own)
+    };
+    path.iter().map(block).collect()
+}
+
+/// A path by distance from the root, the farthest first: these do not need each other.
+fn levels(structure: &Supernodes, path: &[usize]) -> Vec<Vec<usize>> {
+    let mut depths: BTreeMap<usize, usize> = BTreeMap::new();
+    let mut levels: Vec<Vec<usize>> = Vec::new();
+    for &s in path.iter().rev() {
+        let depth = structure.parent(s).map_or(0, |parent| depths[&parent] + 1);
+        depths.insert(s, depth);
+        levels.resize_with(levels.len().max(depth + 1), Vec::new);
+        levels[depth].push(s);
     }
-    // Of the path itself, until their parents have taken them.
-    let mut fresh: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    for (k, &s) in path.iter().enumerate() {
-        kept.updates.remove(&s);
-        let count = structure.rows(s).len().pow(2);
-        let mut update = pool.take(count);
-        let children = structure.children(s);
-        let child = |&child: &usize| match fresh.get(&child) {
-            Some(update) => numeric.child(child, s, update, false),
-            None => numeric.child(child, s, &kept.updates[&child], F::LOWER),
-        };
-        let updates: Vec<Child> = children.iter().map(child).collect();
-        let mut memory = MemBuffer::new(front.scratch(structure.width(s)));
-        let memory = MemStack::new(&mut memory);
-        let own = &mut values[front.start(s)..front.start(s + 1)];
-        let done = front.eliminate(s, own, &updates, &mut update[..count], memory);
-        if done.is_err() {
-            let stored = fresh
-                .iter()
-                .map(|(&s, update)| (s, numeric.stored(s, update)));
-            kept.updates.extend(stored);
-            kept.undone = path[k..].to_vec();
-            return done;
-        }
-        let taken = children.iter().filter_map(|child| fresh.remove(child));
-        taken.for_each(|update| pool.give(update));
-        fresh.insert(s, update);
-    }
-    fresh.into_values().for_each(|update| pool.give(update));
-    Ok(())
+    levels.reverse();
+    levels
 }
 
 impl Kept {
@@ -290,6 +289,24 @@ impl<'a, F: Front> Numeric<'a, F> {
         done.into_iter().collect()
     }
 
+    /// What the roots of subtrees pass up, in as little room as it needs; ascending.
+    fn stored_subtrees(
+        &self,
+        roots: &[usize],
+        values: &mut [f64],
+    ) -> Result<Vec<(usize, Vec<f64>)>, NotPositive> {
+        let tasks = self.split(roots, values, 0).into_par_iter();
+        let done: Vec<Result<(usize, Vec<f64>), NotPositive>> = tasks
+            .map(|(root, values)| {
+                let update = self.subtree(root, values)?;
+                let stored = self.stored(root, &update.values);
+                self.pool.give(update.values);
+                Ok((root, stored))
+            })
+            .collect();
+        done.into_iter().collect()
+    }
+
     /// The numbers of each of some subtrees in ascending order; `values` begins at number `offset`.
     fn split<'v>(
         &self,
@@ -388,6 +405,79 @@ impl<'a, F: Front> Numeric<'a, F> {
             supernode: s,
             values: update,
         })
+    }
+
+    /// Fills the numbers of a path, ascending, those far from the root first; what others pass up is kept.
+    ///
+    /// # Errors
+    /// [`NotPositive`]: what is left is noted as undone.
+    fn along(
+        &self,
+        path: &[usize],
+        values: &mut [f64],
+        kept: &mut Kept,
+    ) -> Result<(), NotPositive> {
+        path.iter().for_each(|s| drop(kept.updates.remove(s)));
+        let mut blocks = blocks(self.front, values, path);
+        // Of the path itself, until their parents have taken them.
+        let mut fresh: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+        let mut undone: BTreeSet<usize> = path.iter().copied().collect();
+        let mut failed: Option<(usize, NotPositive)> = None;
+        for level in levels(self.structure, path) {
+            // What is eliminated before a pivot that failed is done all the same: the first one is told.
+            let is_before = |s: &usize| failed.is_none_or(|(failed, _)| *s < failed);
+            let level: Vec<(usize, &mut [f64])> = (level.into_iter().filter(is_before))
+                .map(|s| (s, blocks.remove(&s).expect("done once")))
+                .collect();
+            let done: Vec<_> = (level.into_par_iter())
+                .map(|(s, own)| (s, self.again(s, own, &fresh, &kept.updates)))
+                .collect();
+            for (s, update) in done {
+                match update {
+                    Ok(update) => {
+                        let children = self.structure.children_from_last(s);
+                        let taken = children.filter_map(|child| fresh.remove(&child));
+                        taken.for_each(|update| self.pool.give(update));
+                        fresh.insert(s, update);
+                        undone.remove(&s);
+                    }
+                    Err(pivot) => failed = Some(failed.map_or((s, pivot), |f| f.min((s, pivot)))),
+                }
+            }
+        }
+        let Some((_, pivot)) = failed else {
+            fresh
+                .into_values()
+                .for_each(|update| self.pool.give(update));
+            return Ok(());
+        };
+        for (s, update) in fresh {
+            kept.updates.insert(s, self.stored(s, &update));
+        }
+        kept.undone = undone.into_iter().collect();
+        Err(pivot)
+    }
+
+    /// A supernode of a path once more, from what its children pass up: those of the path, and what is kept.
+    fn again(
+        &self,
+        s: usize,
+        own: &mut [f64],
+        fresh: &BTreeMap<usize, Vec<f64>>,
+        kept: &BTreeMap<usize, Vec<f64>>,
+    ) -> Result<Vec<f64>, NotPositive> {
+        let count = self.structure.rows(s).len().pow(2);
+        let mut update = self.pool.take(count);
+        let children = self.structure.children(s);
+        let child = |&child: &usize| match fresh.get(&child) {
+            Some(update) => self.child(child, s, update, false),
+            None => self.child(child, s, &kept[&child], F::LOWER),
+        };
+        let updates: Vec<Child> = children.iter().map(child).collect();
+        let mut memory = MemBuffer::new(self.front.scratch(self.structure.width(s)));
+        let memory = MemStack::new(&mut memory);
+        (self.front).eliminate(s, own, &updates, &mut update[..count], memory)?;
+        Ok(update)
     }
 
     /// Keeps what a supernode passes up, if it is needed once more.

@@ -1,27 +1,20 @@
-//! K⁻¹ between a few dofs, by no more of L than what lies on their way to the root of the elimination
-//! tree.
+//! What a few dofs have of L: the supernodes on their way to the root of the elimination tree.
 //!
-//! With K = L Lᵀ, a force at one dof enters L⁻¹ f at its column and in those above it in the tree, and
-//! u at one dof follows from those above it alone:
+//! With K = L Lᵀ, a force at one dof enters L⁻¹ f at its column and in those above it in the tree:
 //!
 //! ```text
-//! L y = f upwards from the columns of f,   Lᵀ u = y downwards to the columns of u
+//! L y = f upwards from the columns of f
 //! ```
 //!
-//! Both go supernode by supernode, in products of dense blocks for all right-hand sides at once.
+//! supernode by supernode, in products of dense blocks for all right-hand sides at once.
 
 use super::cholesky::Factor;
+use super::columns::{slice, slice_mut};
 use super::supernodes::Supernodes;
 use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
-};
-use faer::{Accum, Mat, MatMut, MatRef, Par};
-use rayon::prelude::*;
-use std::collections::BTreeSet;
-
-/// Right-hand sides that one thread carries at a time.
-const BLOCK: usize = 32;
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Accum, MatMut, MatRef, Par};
+use std::ops::Range;
 
 /// The supernodes above a set of columns, these included, and where their rows stand in a compact
 /// right-hand side.
@@ -33,6 +26,8 @@ pub(super) struct Path {
 
 pub(super) struct Step {
     supernode: usize,
+    /// Of the columns that the path begins at, the places of those in this supernode and below it.
+    pub(super) members: Range<usize>,
     /// Its first column, how many there are, and where the first stands.
     pub(super) begin: usize,
     pub(super) width: usize,
@@ -42,16 +37,20 @@ pub(super) struct Step {
 }
 
 impl Path {
+    /// From ascending columns.
     pub(super) fn new(structure: &Supernodes, columns: &[usize]) -> Path {
         let mut path = Path {
             steps: Vec::new(),
             rows: 0,
         };
-        for supernode in above(structure, columns) {
+        for supernode in structure.above_columns(columns.iter().copied()) {
             let begin = structure.columns(supernode).start;
             let width = structure.width(supernode);
+            let first = structure.columns(structure.subtree(supernode).start).start;
+            let before = |limit: usize| columns.partition_point(|&column| column < limit);
             path.steps.push(Step {
                 supernode,
+                members: before(first)..before(begin + width),
                 begin,
                 width,
                 first_row: path.rows,
@@ -86,73 +85,7 @@ impl Path {
     }
 }
 
-/// The supernodes of columns and those above them, ascending.
-fn above(structure: &Supernodes, columns: &[usize]) -> BTreeSet<usize> {
-    let mut found = BTreeSet::new();
-    for &column in columns {
-        let mut next = Some(structure.supernode_of(column));
-        while let Some(s) = next.filter(|&s| found.insert(s)) {
-            next = structure.parent(s);
-        }
-    }
-    found
-}
-
 impl Factor {
-    /// K⁻¹ at `rows` for unit forces at `columns`, dofs that are among `rows` each: rows × columns.
-    /// On all threads, with the same bits on any number of them.
-    pub fn inverse_between(&self, rows: &[usize], columns: &[usize]) -> Mat<f64> {
-        let structure = self.supernodes();
-        let [row_columns, force_columns] =
-            [rows, columns].map(|dofs| dofs.iter().map(|&d| self.column(d)).collect::<Vec<_>>());
-        let path = Path::new(structure, &row_columns);
-        let places: Vec<usize> = row_columns.iter().map(|&c| path.row(c)).collect();
-        // Neighbours in the elimination tree share a block.
-        let mut order: Vec<usize> = (0..columns.len()).collect();
-        order.sort_by_key(|&k| force_columns[k]);
-        let blocks: Vec<Mat<f64>> = (order.par_chunks(BLOCK))
-            .map(|block| {
-                let columns: Vec<usize> = block.iter().map(|&k| force_columns[k]).collect();
-                let x = self.between(&path, &columns);
-                Mat::from_fn(rows.len(), block.len(), |i, j| x[(j, places[i])])
-            })
-            .collect();
-        let mut inverse = Mat::zeros(rows.len(), columns.len());
-        for (block, x) in order.chunks(BLOCK).zip(&blocks) {
-            for (j, &k) in block.iter().enumerate() {
-                inverse.col_mut(k).copy_from(x.col(j));
-            }
-        }
-        inverse
-    }
-
-    /// K⁻¹ at the rows of the path for unit forces at some of its columns; transposed, so that what all
-    /// right-hand sides have at one row lies together.
-    fn between(&self, path: &Path, columns: &[usize]) -> Mat<f64> {
-        let mut x = Mat::zeros(columns.len(), path.rows);
-        for (j, &column) in columns.iter().enumerate() {
-            x[(j, path.row(column))] = 1.0;
-        }
-        let most = path.steps.iter().map(|s| s.below.len()).max();
-        let mut beside = Mat::zeros(columns.len(), most.unwrap_or(0));
-        let loaded = above(self.supernodes(), columns);
-        for step in path.steps.iter().filter(|s| loaded.contains(&s.supernode)) {
-            self.step_up(
-                step,
-                x.as_mut(),
-                beside.as_mut().subcols_mut(0, step.below.len()),
-            );
-        }
-        for step in path.steps.iter().rev() {
-            self.step_down(
-                step,
-                x.as_mut(),
-                beside.as_mut().subcols_mut(0, step.below.len()),
-            );
-        }
-        x
-    }
-
     /// The diagonal block of a supernode, and what is below.
     fn blocks(&self, step: &Step) -> (MatRef<'_, f64>, MatRef<'_, f64>) {
         let height = step.width + step.below.len();
@@ -160,42 +93,20 @@ impl Factor {
         MatRef::from_column_major_slice(values, height, step.width).split_at_row(step.width)
     }
 
-    pub(super) fn step_up(&self, step: &Step, mut x: MatMut<f64>, mut beside: MatMut<f64>) {
+    /// Takes right-hand sides, path rows × members, past a supernode. `beside`: rows below × members.
+    pub(super) fn step_up(&self, step: &Step, x: MatMut<f64>, mut beside: MatMut<f64>) {
         let (diagonal, below) = self.blocks(step);
-        let mut own = x.as_mut().subcols_mut(step.first_row, step.width);
-        solve_lower_triangular_in_place(diagonal, own.as_mut().transpose_mut(), Par::Seq);
-        matmul(
-            beside.as_mut(),
-            Accum::Replace,
-            own.as_ref(),
-            below.transpose(),
-            1.0,
-            Par::Seq,
-        );
-        for (i, &row) in step.below.iter().enumerate() {
-            let passed_on = beside.as_ref().col(i).try_as_col_major();
-            let to = x.as_mut().col_mut(row as usize).try_as_col_major_mut();
-            let (to, passed_on) = to.zip(passed_on).expect("stored by columns");
-            let both = to.as_slice_mut().iter_mut().zip(passed_on.as_slice());
-            both.for_each(|(x, passed_on)| *x -= passed_on);
+        let (own, mut above) = x.split_at_row_mut(step.first_row + step.width);
+        let mut own = own.subrows_mut(step.first_row, step.width);
+        solve_lower_triangular_in_place(diagonal, own.as_mut(), Par::Seq);
+        let (sum, own) = (beside.as_mut(), own.as_ref());
+        matmul(sum, Accum::Replace, below, own, 1.0, Par::Seq);
+        let first = step.first_row + step.width;
+        for (to, passed_on) in above.as_mut().col_iter_mut().zip(beside.col_iter()) {
+            let to = slice_mut(to);
+            for (&row, passed_on) in step.below.iter().zip(slice(passed_on)) {
+                to[row as usize - first] -= passed_on;
+            }
         }
-    }
-
-    fn step_down(&self, step: &Step, x: MatMut<f64>, mut beside: MatMut<f64>) {
-        let (diagonal, below) = self.blocks(step);
-        for (i, &row) in step.below.iter().enumerate() {
-            let above = x.as_ref().col(row as usize);
-            beside.as_mut().col_mut(i).copy_from(above);
-        }
-        let mut own = x.subcols_mut(step.first_row, step.width);
-        matmul(
-            own.as_mut(),
-            Accum::Add,
-            beside.as_ref(),
-            below,
-            -1.0,
-            Par::Seq,
-        );
-        solve_upper_triangular_in_place(diagonal.transpose(), own.transpose_mut(), Par::Seq);
     }
 }

@@ -193,9 +193,15 @@ impl Supernodes {
 
     /// The supernodes of some nodes and those above them, ascending.
     pub fn above(&self, nodes: &[u32]) -> Vec<usize> {
+        let column = |&node: &u32| 2 * self.position[node as usize] as usize;
+        self.above_columns(nodes.iter().map(column))
+    }
+
+    /// The supernodes of some columns and those above them, ascending.
+    pub fn above_columns(&self, columns: impl Iterator<Item = usize>) -> Vec<usize> {
         let mut found = BTreeSet::new();
-        for &node in nodes {
-            let mut next = Some(self.supernode_of(2 * self.position[node as usize] as usize));
+        for column in columns {
+            let mut next = Some(self.supernode_of(column));
             while let Some(s) = next.filter(|&s| found.insert(s)) {
                 next = self.parent(s);
             }

@@ -60,13 +60,38 @@ pub fn pivoted_start(structure: &Supernodes, s: usize) -> usize {
     2 * structure.block_start(s) + structure.first_column(s)
 }
 
+/// Which unknowns are asked for.
+#[derive(Clone, Copy)]
+pub enum Wanted<'a> {
+    All,
+    /// Those of supernodes of which it is true, and with each of them of all above it; the others become
+    /// nothing.
+    Some(&'a [bool]),
+}
+
+impl Wanted<'_> {
+    fn has(self, s: usize) -> bool {
+        match self {
+            Wanted::All => true,
+            Wanted::Some(supernodes) => supernodes[s],
+        }
+    }
+}
+
 /// Overwrites `x`, `columns` vectors one after the other, by (L Lᵀ)⁻¹ x.
-pub fn solve(structure: &Supernodes, factors: Factors, x: &mut [f64], columns: usize) {
+pub fn solve(
+    structure: &Supernodes,
+    factors: Factors,
+    x: &mut [f64],
+    columns: usize,
+    wanted: Wanted,
+) {
     let n = structure.dofs();
     let sweep = Sweep {
         structure,
         factors,
         k: columns,
+        wanted,
     };
     let mut panels = vec![0.0; n * columns];
     let mut work = vec![0.0; sweep.rows(0..structure.n_supernodes()).len() * columns];
@@ -92,6 +117,7 @@ struct Sweep<'a> {
     factors: Factors<'a>,
     /// Right-hand sides.
     k: usize,
+    wanted: Wanted<'a>,
 }
 
 /// Neighbouring supernodes with their part of the unknowns, and of what passes between them and their
@@ -340,6 +366,10 @@ impl Sweep<'_> {
         let (width, rows) = (self.structure.width(s), self.structure.rows(s).len());
         let height = width + rows;
         let own = self.local_columns(s..s + 1, first);
+        if !self.wanted.has(s) {
+            x[own].fill(0.0);
+            return;
+        }
         let passed = self.local_rows(s..s + 1, first);
         front.clear();
         for k in 0..self.k {

@@ -26,6 +26,7 @@ use crate::output::partial_name;
 use crate::phases::Phases;
 use crate::statics::{Solution, Solver};
 use crate::trace::Kind;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -504,23 +505,26 @@ pub(super) fn forget_frames(folder: &Path) -> Result<(), RunError> {
 /// ½ k (ξ s_t)² / (G h_t) of every spring, with G = c0 s_t² M3: the length of crack that its breaking
 /// stands for [m]; zero where it never breaks.
 fn crack_lengths(model: &Model, limits: &Limits) -> Vec<f64> {
-    let mut lengths = vec![0.0; model.springs.len()];
-    for (spring, length) in lengths.iter_mut().enumerate() {
+    let length = |spring: usize| {
         let regions = model.regions_of_spring(spring);
         let points = regions.and_then(|[r, _]| model.points_of(r));
         let breakable = limits.of(spring).tension.is_finite();
-        if let (true, Some(points)) = (breakable, points) {
-            let xi = model.springs.length(spring, &model.positions);
-            // The critical stretch cancels.
-            let stiffness = model.bond_share(spring) * model.springs.stiffness[spring];
-            // A part of a clipped bond takes the energy of the whole.
-            let energy = 0.5 * stiffness * xi * xi / model.length_share(spring).min(1.0);
-            let c0 = model.material_factor(spring) * points.micromodulus.c0;
-            let rate = c0 * points.micromodulus.third_moment();
-            *length = energy / (rate * model.settings.thickness);
-        }
-    }
-    lengths
+        let Some(points) = points.filter(|_| breakable) else {
+            return 0.0;
+        };
+        let xi = model.springs.length(spring, &model.positions);
+        // The critical stretch cancels.
+        let stiffness = model.bond_share(spring) * model.springs.stiffness[spring];
+        // A part of a clipped bond takes the energy of the whole.
+        let energy = 0.5 * stiffness * xi * xi / model.length_share(spring).min(1.0);
+        let c0 = model.material_factor(spring) * points.micromodulus.c0;
+        let rate = c0 * points.micromodulus.third_moment();
+        energy / (rate * model.settings.thickness)
+    };
+    (0..model.springs.len())
+        .into_par_iter()
+        .map(length)
+        .collect()
 }
 
 pub(super) fn encode(value: &impl Serialize) -> Vec<u8> {

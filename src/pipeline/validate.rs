@@ -12,6 +12,7 @@ use crate::geometry::Outline;
 use crate::mesh::Mesh;
 use crate::model::{self, Method, Model, ModelError, Region};
 use crate::support::{self, NotHeld};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Builds the model and its boundary conditions and checks that the body is held.
@@ -282,7 +283,10 @@ pub fn limits(plan: &Plan, model: &Model) -> Limits {
             [first, second] => (own * (1 + first) + second) as u32,
         })
     };
-    let mut class: Vec<u32> = (0..model.springs.len()).map(class).collect();
+    let mut class: Vec<u32> = (0..model.springs.len())
+        .into_par_iter()
+        .map(class)
+        .collect();
     let mut of_parts: BTreeMap<(u32, u64), u32> = BTreeMap::new();
     for (spring, class) in class.iter_mut().enumerate() {
         let t = model.length_share(spring);

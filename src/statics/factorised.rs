@@ -6,7 +6,6 @@ use crate::boundary::Boundary;
 use crate::linear_solver::Factor;
 use crate::linear_solver::compliance::UnitLoads;
 use crate::model::Model;
-use faer::Mat;
 
 /// K with its supports, ready to be solved with; bonds that break later are rank-one changes of it.
 pub struct Factorised {
@@ -39,26 +38,6 @@ impl Factorised {
         }
     }
 
-    /// K⁻¹ at `rows` for unit forces at `columns`, each of them among `rows` [m/N], without motion at held
-    /// dofs; from Cholesky's factor only.
-    pub fn compliance_between(&self, rows: &[usize], columns: &[usize]) -> Option<Mat<f64>> {
-        let Factor::Cholesky(factor) = &self.factor else {
-            return None;
-        };
-        let mut inverse = factor.inverse_between(rows, columns);
-        for (k, _) in rows.iter().enumerate().filter(|(_, d)| self.is_held(**d)) {
-            inverse.row_mut(k).fill(0.0);
-        }
-        for (k, _) in columns
-            .iter()
-            .enumerate()
-            .filter(|(_, d)| self.is_held(**d))
-        {
-            inverse.col_mut(k).fill(0.0);
-        }
-        Some(inverse)
-    }
-
     /// Multiplications and additions that it takes to follow a change between these nodes, as
     /// [`Solver::refactorise`] does.
     pub fn flops_above(&self, nodes: &[u32]) -> f64 {
@@ -70,25 +49,35 @@ impl Factorised {
 
     /// Overwrites forces [N] by the displacements [m] that they add, dof by dof, case after case.
     pub fn respond(&self, forces: &mut [f64], cases: usize) {
-        let clear = |forces: &mut [f64]| {
-            for case in forces.chunks_exact_mut(self.system.is_held.len()) {
-                let dofs = case.iter_mut().zip(&self.system.is_held);
-                dofs.filter(|(_, held)| **held).for_each(|(f, _)| *f = 0.0);
-            }
-        };
-        clear(forces);
+        self.clear_held(forces);
         match &self.factor {
             Factor::Cholesky(factor) => factor.solve_many_in_place(forces, cases),
             factor => {
-                let dofs = self.system.is_held.len();
-                for case in forces.chunks_exact_mut(dofs) {
+                for case in forces.chunks_exact_mut(self.dofs()) {
                     let goal = residual_goal(factor.method()) * norm(case);
                     factor.solve_in_place(case, goal);
                 }
             }
         }
         // Held dofs stand apart in the factor, so that this clears signed zeros only.
-        clear(forces);
+        self.clear_held(forces);
+    }
+
+    /// The same where only the displacements of some nodes are asked for; those of others may be missing.
+    pub fn respond_at(&self, nodes: &[u32], forces: &mut [f64], cases: usize) {
+        let Factor::Cholesky(factor) = &self.factor else {
+            return self.respond(forces, cases);
+        };
+        self.clear_held(forces);
+        factor.solve_many_at(nodes, forces, cases);
+        self.clear_held(forces);
+    }
+
+    fn clear_held(&self, forces: &mut [f64]) {
+        for case in forces.chunks_exact_mut(self.dofs()) {
+            let dofs = case.iter_mut().zip(&self.system.is_held);
+            dofs.filter(|(_, held)| **held).for_each(|(f, _)| *f = 0.0);
+        }
     }
 
     /// ‖f‖₂ of a case over the free dofs, prescribed displacements in f [N].

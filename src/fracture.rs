@@ -11,6 +11,7 @@ pub mod event;
 pub mod failure;
 pub mod functional;
 mod gone;
+mod lost;
 pub mod programme;
 pub mod response;
 pub mod state;

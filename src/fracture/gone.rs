@@ -13,10 +13,11 @@
 
 use super::control::Problem;
 use super::dense::Lu;
+use super::lost::{self, Spring};
 use super::response::Solutions;
 use super::zone::Zone;
 use crate::boundary::Boundary;
-use crate::linear_solver::columns::{add, slice, slice_mut};
+use crate::linear_solver::columns::{add, slice};
 use crate::linear_solver::compliance::UnitLoads;
 use crate::statics::{Factorised, Solution};
 use faer::linalg::matmul::matmul;
@@ -30,13 +31,6 @@ const LEAST_PIVOT: f64 = 1e-7;
 
 /// Columns that one thread takes at a time.
 const BLOCK: usize = 128;
-
-/// A spring that is gone, by places in T.
-struct Spring {
-    stiffness: f64,
-    /// w.
-    terms: Vec<(usize, f64)>,
-}
 
 /// What has gone.
 pub struct Gone {
@@ -119,17 +113,8 @@ impl Gone {
     /// I − A_TT S of the first springs, factorised.
     fn system(&self, touched: usize, springs: usize) -> Option<Lu> {
         let mut system = Mat::<f64>::identity(touched, touched);
-        let mut column = vec![0.0; touched];
-        for spring in &self.springs[..springs] {
-            column.fill(0.0);
-            for &(place, w) in &spring.terms {
-                let own = &slice(self.compliance.col(place))[..touched];
-                add(&mut column, spring.stiffness * w, own);
-            }
-            for &(place, w) in &spring.terms {
-                add(slice_mut(system.col_mut(place)), -w, &column);
-            }
-        }
+        let compliance = self.compliance.subrows(0, touched);
+        lost::subtract(system.as_mut(), compliance, &self.springs[..springs]);
         Lu::new(system, LEAST_PIVOT).ok()
     }
 
@@ -184,7 +169,11 @@ impl Gone {
             });
             self.order.push(bond);
             let stiffness = model.springs.stiffness[bond];
-            self.springs.push(Spring { stiffness, terms });
+            self.springs.push(Spring {
+                stiffness,
+                terms,
+                acting: None,
+            });
         }
         self.loads.append(&start.loads, &new);
         let size = self.dofs.len();

@@ -2,7 +2,8 @@
 
 use super::control::Problem;
 use super::dense::Lu;
-use crate::linear_solver::columns::{add, slice, slice_mut};
+use super::lost::{self, Spring};
+use crate::linear_solver::columns::{slice, slice_mut};
 use crate::linear_solver::compliance::UnitLoads;
 use crate::statics::{Factorised, Solution};
 use faer::Mat;
@@ -17,15 +18,6 @@ const STILL: f64 = 1e-6;
 
 /// So many dofs come in at a time if there are springs to expect them from.
 const FILL: usize = 64;
-
-/// A spring that is gone, by places among the touched dofs.
-struct Spring {
-    stiffness: f64,
-    /// w.
-    terms: Vec<(usize, f64)>,
-    /// Those of w where its forces act: a splice has some of its nodes follow others, and these take none.
-    acting: Vec<(usize, f64)>,
-}
 
 /// Dofs in the order in which they came in: those that springs which are gone acted on are *active*, others
 /// are expected to be.
@@ -114,9 +106,7 @@ impl Touched {
         self.extend_compliance(factorised, size, known);
         let identity = |i: usize, j: usize| f64::from(u8::from(i == j));
         self.system.resize_with(size, size, identity);
-        for k in 0..self.springs.len() {
-            self.subtract(k, known);
-        }
+        self.subtract(0, known);
     }
 
     fn extend_compliance(&mut self, factorised: &Factorised, size: usize, known: usize) {
@@ -150,34 +140,19 @@ impl Touched {
 
     /// Adds springs that are gone to S.
     pub fn lose(&mut self, problem: &Problem, gone: &[u32]) {
+        let known = self.springs.len();
         for &spring in gone {
             self.springs.push(self.spring(problem, spring as usize));
-            self.subtract(self.springs.len() - 1, 0);
         }
+        self.subtract(known, 0);
     }
 
-    /// Takes k G w wᵀ of a spring that is gone off the rows of I − G S from `first` on.
-    fn subtract(&mut self, spring: usize, first: usize) {
-        let Spring {
-            stiffness,
-            terms,
-            acting,
-        } = &self.springs[spring];
-        let mut column = vec![0.0; self.dofs.len() - first];
-        for &(place, w) in acting {
-            add(
-                &mut column,
-                stiffness * w,
-                &slice(self.compliance.col(place))[first..],
-            );
-        }
-        for &(place, w) in terms {
-            add(
-                &mut slice_mut(self.system.col_mut(place))[first..],
-                -w,
-                &column,
-            );
-        }
+    /// Takes k G w wᵀ of the springs from one on off the rows of I − G S from one on.
+    fn subtract(&mut self, first_spring: usize, first_row: usize) {
+        let rows = self.dofs.len() - first_row;
+        let system = self.system.subrows_mut(first_row, rows);
+        let compliance = self.compliance.subrows(first_row, rows);
+        lost::subtract(system, compliance, &self.springs[first_spring..]);
     }
 
     fn spring(&self, problem: &Problem, spring: usize) -> Spring {
@@ -195,8 +170,8 @@ impl Touched {
         });
         Spring {
             stiffness: model.springs.stiffness[spring],
+            acting: (acting.len() < terms.len()).then_some(acting),
             terms,
-            acting,
         }
     }
 
@@ -266,7 +241,7 @@ impl Touched {
         }
         for spring in &self.springs {
             let elongation: f64 = spring.terms.iter().map(|&(place, w)| w * z[place]).sum();
-            for &(place, w) in &spring.acting {
+            for &(place, w) in spring.acting() {
                 forces[place] += spring.stiffness * elongation * w;
             }
         }

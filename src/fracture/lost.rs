@@ -1,0 +1,43 @@
+//! Springs that are gone, by the dofs that they touched, and I − A S with S = Σ k w wᵀ.
+
+use crate::linear_solver::columns::{add, slice, slice_mut};
+use faer::{MatMut, MatRef};
+use rayon::prelude::*;
+
+/// Rows that one thread takes at a time: pieces of columns that stay in the cache.
+const ROWS: usize = 256;
+
+/// By places among the touched dofs.
+pub struct Spring {
+    pub stiffness: f64,
+    /// w.
+    pub terms: Vec<(usize, f64)>,
+    /// Those of w where its forces act, if not all: a splice has some of its nodes follow others, and these take
+    /// none.
+    pub acting: Option<Vec<(usize, f64)>>,
+}
+
+impl Spring {
+    pub fn acting(&self) -> &[(usize, f64)] {
+        self.acting.as_ref().unwrap_or(&self.terms)
+    }
+}
+
+/// Takes Σ k A w wᵀ off `system`, whose rows are those of `compliance`, A.
+pub fn subtract(system: MatMut<f64>, compliance: MatRef<f64>, springs: &[Spring]) {
+    let chunks = system.par_row_chunks_mut(ROWS).enumerate();
+    chunks.for_each(|(k, mut system)| {
+        let compliance = compliance.subrows(ROWS * k, system.nrows());
+        let mut column = vec![0.0; system.nrows()];
+        for spring in springs {
+            column.fill(0.0);
+            for &(place, w) in spring.acting() {
+                let own = slice(compliance.col(place));
+                add(&mut column, spring.stiffness * w, own);
+            }
+            for &(place, w) in &spring.terms {
+                add(slice_mut(system.as_mut().col_mut(place)), -w, &column);
+            }
+        }
+    });
+}

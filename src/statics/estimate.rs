@@ -47,9 +47,9 @@ const WAITING: f64 = 2.5;
 /// in the state and in the frames that wait, and what drawing them takes: fitted to the same [bytes].
 const BREAKABLE: f64 = 64.0;
 
-/// What a fracture run keeps to factorise again only above what broke, over the entries of L: none where little breaks,
-/// 0.5 to 1 where a body is torn apart (31 000 to 118 000 dofs); between the two.
-const KEPT: f64 = 0.35;
+/// What a fracture run holds over the entries of L: to factorise again only above what broke, and to update the response.
+/// Nothing where little breaks, 0.8 to 1.4 where a body is torn apart (31 000 to 118 000 dofs); between the two.
+const KEPT: f64 = 0.5;
 
 impl Estimate {
     /// `method`: how K is solved with, if its size is not to tell; `breaks`: whether bonds may break.

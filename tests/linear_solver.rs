@@ -97,6 +97,31 @@ fn solutions_are_those_of_faer() {
     }
 }
 
+/// Of a solution that is asked for at some nodes only, these have the bits of the whole one. Others are not all found:
+/// or nothing would be saved.
+#[test]
+fn part_of_a_solution_is_part_of_the_whole_one() {
+    let (pattern, matrix) = system(&model(0.5, 120));
+    let n = matrix.ncols();
+    let factor = symbolic(&pattern, Ordering::Metis).factorise(&matrix);
+    let factor = factor.expect("positive definite");
+    let whole = {
+        let mut x = loads(n, 3);
+        factor.solve_many_in_place(&mut x, 3);
+        x
+    };
+    let nodes = [0, 17, (n / 4) as u32, (n / 2 - 1) as u32];
+    let mut part = loads(n, 3);
+    factor.solve_many_at(&nodes, &mut part, 3);
+    for (part, whole) in part.chunks_exact(n).zip(whole.chunks_exact(n)) {
+        for dof in nodes.iter().flat_map(|&node| [2 * node, 2 * node + 1]) {
+            assert_eq!(part[dof as usize], whole[dof as usize], "dof {dof}");
+        }
+        let missing = part.iter().filter(|x| **x == 0.0).count();
+        assert!(2 * missing > n, "{missing} of {n}");
+    }
+}
+
 /// The second factorisation works in the memory of the first, which is full of its numbers.
 #[test]
 fn the_bits_depend_neither_on_threads_nor_on_company_nor_on_the_memory() {

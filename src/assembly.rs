@@ -4,229 +4,30 @@
 //! The columns are shared out in a fixed number of parts. In each, columns are gathered from what touches
 //! their node, in a fixed order: the bits do not depend on the number of threads. Dof = 2 · node + axis.
 
+mod column;
 pub mod full;
+mod lists;
+mod lower_matrix;
+mod parts;
 pub mod stiffness;
 
+pub use lists::Lists;
+pub use lower_matrix::{LowerMatrix, mean_diagonal};
+
 use crate::springs::Springs;
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
+use column::{Column, add_to, pair_block};
+use faer::sparse::{SymbolicSparseColMat, SymbolicSparseColMatRef};
 use nalgebra::DMatrix;
+use parts::{PARTS, column_parts, part_bound};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
-
-/// Lower triangle of a symmetric matrix, columns sorted; all matrices of one pattern share it.
-#[derive(Clone, Debug)]
-pub struct LowerMatrix {
-    symbolic: Arc<SymbolicSparseColMat<u32>>,
-    values: Arc<Vec<f64>>,
-}
-
-impl LowerMatrix {
-    /// `values`: in the order of the pattern's rows.
-    pub fn new(symbolic: Arc<SymbolicSparseColMat<u32>>, values: Vec<f64>) -> LowerMatrix {
-        assert_eq!(symbolic.row_idx().len(), values.len());
-        LowerMatrix {
-            symbolic,
-            values: Arc::new(values),
-        }
-    }
-
-    pub fn ncols(&self) -> usize {
-        self.symbolic.ncols()
-    }
-
-    pub fn as_ref(&self) -> SparseColMatRef<'_, u32, f64> {
-        SparseColMatRef::new(SymbolicSparseColMat::as_ref(&self.symbolic), &self.values)
-    }
-
-    pub fn row_idx_of_col_raw(&self, column: usize) -> &[u32] {
-        self.symbolic.row_idx_of_col_raw(column)
-    }
-
-    /// All stored values.
-    pub fn val(&self) -> &[f64] {
-        &self.values
-    }
-
-    pub fn val_of_col(&self, column: usize) -> &[f64] {
-        &self.values[self.symbolic.col_range(column)]
-    }
-
-    /// The pattern, and the values to change.
-    pub fn parts_mut(&mut self) -> (SymbolicSparseColMatRef<'_, u32>, &mut [f64]) {
-        (
-            SymbolicSparseColMat::as_ref(&self.symbolic),
-            Arc::<Vec<f64>>::make_mut(&mut self.values),
-        )
-    }
-
-    /// The matrix, the part above the diagonal included, times u. What a part of the columns adds is
-    /// summed apart: the bits do not depend on the number of threads.
-    pub fn multiply(&self, u: &[f64]) -> Vec<f64> {
-        let of_part = |columns: Range<usize>| {
-            let first = columns.start;
-            let mut product = vec![0.0; self.last_row(&columns) - first];
-            for column in columns {
-                let rows = self.row_idx_of_col_raw(column).iter();
-                let mut entries = rows.zip(self.val_of_col(column));
-                // The lower triangle's columns start at their diagonal.
-                let diagonal = entries.next().map_or(0.0, |(_, &value)| value);
-                let mut sum = diagonal * u[column];
-                for (&row, &value) in entries {
-                    let row = row as usize;
-                    sum += value * u[row];
-                    product[row - first] += value * u[column];
-                }
-                product[column - first] += sum;
-            }
-            (first, product)
-        };
-        let parts: Vec<(usize, Vec<f64>)> = column_parts(self.ncols()).map(of_part).collect();
-        let mut product = vec![0.0; u.len()];
-        for (first, part) in parts {
-            let rows = product[first..].iter_mut().zip(part);
-            rows.for_each(|(sum, share)| *sum += share);
-        }
-        product
-    }
-
-    /// One past the last row in some columns; no less than one past the last of them.
-    fn last_row(&self, columns: &Range<usize>) -> usize {
-        // The rows of a column are sorted.
-        let last = |column| self.row_idx_of_col_raw(column).last();
-        let last = columns.clone().filter_map(last).max();
-        last.map_or(0, |&row| row as usize + 1).max(columns.end)
-    }
-
-    /// The entry at (i, j) with i ≥ j, if it is stored.
-    pub fn get(&self, i: usize, j: usize) -> Option<&f64> {
-        let place = self.row_idx_of_col_raw(j).binary_search(&(i as u32));
-        place.ok().map(|place| &self.val_of_col(j)[place])
-    }
-}
-
-/// Columns are shared out in this many parts, whatever the number of threads.
-const PARTS: usize = 8;
-
-/// Parts of `count` columns.
-fn column_parts(count: usize) -> impl IndexedParallelIterator<Item = Range<usize>> {
-    (0..PARTS)
-        .into_par_iter()
-        .map(move |part| part_bound(part, count)..part_bound(part + 1, count))
-}
-
-fn part_bound(part: usize, count: usize) -> usize {
-    part * count / PARTS
-}
-
-/// Mean of the diagonal: the scale of a stiffness matrix.
-pub fn mean_diagonal(matrix: &LowerMatrix) -> f64 {
-    let n = matrix.ncols();
-    // The lower triangle's columns start at their diagonal.
-    (0..n).map(|j| matrix.val_of_col(j)[0]).sum::<f64>() / n as f64
-}
 
 /// An element's nodes and its stiffness [N/m], two rows per node.
 #[derive(Clone, Debug)]
 pub struct ElementStiffness {
     pub nodes: Vec<u32>,
     pub matrix: DMatrix<f64>,
-}
-
-/// Compressed lists: what belongs to item i is `entries[start[i]..start[i + 1]]`.
-#[derive(Clone, Debug, Default)]
-pub struct Lists {
-    start: Vec<usize>,
-    entries: Vec<u32>,
-}
-
-impl Lists {
-    /// Counting sort of (item, entry) pairs; entries keep their order.
-    pub fn collect<I: Iterator<Item = (u32, u32)>>(items: usize, pairs: impl Fn() -> I) -> Lists {
-        let mut start = vec![0; items + 1];
-        pairs().for_each(|(item, _)| start[item as usize + 1] += 1);
-        for i in 0..items {
-            start[i + 1] += start[i];
-        }
-        let mut next = start.clone();
-        let mut entries = vec![0; start[items]];
-        for (item, entry) in pairs() {
-            entries[next[item as usize]] = entry;
-            next[item as usize] += 1;
-        }
-        Lists { start, entries }
-    }
-
-    /// The list of each item in turn, from `list`, which fills an empty one; on all threads.
-    fn gather(items: usize, list: impl Fn(usize, &mut Vec<u32>) + Sync) -> Lists {
-        const BLOCK: usize = 1 << 12;
-        let of_block = |block: usize| {
-            let (mut lengths, mut entries, mut own) = (Vec::new(), Vec::new(), Vec::new());
-            for item in block * BLOCK..items.min((block + 1) * BLOCK) {
-                own.clear();
-                list(item, &mut own);
-                lengths.push(own.len());
-                entries.extend_from_slice(&own);
-            }
-            (lengths, entries)
-        };
-        let blocks = (0..items.div_ceil(BLOCK)).into_par_iter();
-        let blocks: Vec<(Vec<usize>, Vec<u32>)> = blocks.map(of_block).collect();
-        let total = blocks.iter().map(|(_, entries)| entries.len()).sum();
-        let mut all = Lists {
-            start: Vec::with_capacity(items + 1),
-            entries: Vec::with_capacity(total),
-        };
-        all.start.push(0);
-        let mut next = 0;
-        for (lengths, entries) in blocks {
-            all.start.extend(lengths.into_iter().map(|length| {
-                next += length;
-                next
-            }));
-            all.entries.extend(entries);
-        }
-        all
-    }
-
-    /// Sorts each list and drops repetitions.
-    pub fn into_sets(mut self) -> Lists {
-        let mut kept = 0;
-        for i in 0..self.len() {
-            let range = self.start[i]..self.start[i + 1];
-            self.entries[range.clone()].sort_unstable();
-            let begin = kept;
-            for k in range {
-                let entry = self.entries[k];
-                if kept == begin || self.entries[kept - 1] != entry {
-                    self.entries[kept] = entry;
-                    kept += 1;
-                }
-            }
-            self.start[i] = begin;
-        }
-        let last = self.len();
-        self.start[last] = kept;
-        self.entries.truncate(kept);
-        self
-    }
-
-    pub fn len(&self) -> usize {
-        self.start.len() - 1
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    pub fn of(&self, item: usize) -> &[u32] {
-        &self.entries[self.start[item]..self.start[item + 1]]
-    }
-
-    /// Offsets and entries, as METIS and other graph libraries want them.
-    pub fn parts(&self) -> (&[usize], &[u32]) {
-        (&self.start, &self.entries)
-    }
 }
 
 /// Who shares stiffness with whom, and where K's entries are.
@@ -508,120 +309,6 @@ fn lower_pattern(graph: &Lists) -> SymbolicSparseColMat<u32> {
     let columns = columns.into_par_iter().enumerate();
     columns.with_min_len(64).for_each(fill);
     SymbolicSparseColMat::new_checked(2 * n, 2 * n, start, None, rows)
-}
-
-/// xx, xy and yy of k n⊗n.
-fn pair_block([a, b]: [u32; 2], stiffness: f64, positions: &[[f64; 2]]) -> [f64; 3] {
-    let [p, q] = [a, b].map(|node| positions[node as usize]);
-    let [x, y] = [q[0] - p[0], q[1] - p[1]];
-    let k = stiffness / (x * x + y * y);
-    [k * x * x, k * x * y, k * y * y]
-}
-
-fn add_to(sum: &mut [f64; 3], block: [f64; 3]) {
-    sum.iter_mut()
-        .zip(block)
-        .for_each(|(sum, share)| *sum += share);
-}
-
-/// The two columns of one node while they are gathered.
-struct Column<'a> {
-    node: u32,
-    neighbours: &'a [u32],
-    /// The neighbour behind the last one: bonds come in the neighbours' order.
-    next: usize,
-    values: &'a mut [f64],
-}
-
-impl<'a> Column<'a> {
-    fn new(node: u32, neighbours: &'a [u32], values: &'a mut [f64]) -> Column<'a> {
-        Column {
-            node,
-            neighbours,
-            next: 0,
-            values,
-        }
-    }
-
-    fn place(&mut self, other: u32) -> usize {
-        let place = if self.neighbours.get(self.next) == Some(&other) {
-            self.next
-        } else {
-            let place = self.neighbours.binary_search(&other);
-            place.expect("the pattern holds every pair")
-        };
-        self.next = place + 1;
-        place
-    }
-
-    /// Adds the 2 × 2 block (row node `other`, column this node); blocks above the diagonal are
-    /// the other node's to store.
-    fn add_block(&mut self, other: u32, block: [[f64; 2]; 2]) {
-        let second = 2 + 2 * self.neighbours.len();
-        if other == self.node {
-            self.values[0] += block[0][0];
-            self.values[1] += block[1][0];
-            self.values[second] += block[1][1];
-        } else if other > self.node {
-            let place = self.place(other);
-            for (axis, [first_column, second_column]) in block.into_iter().enumerate() {
-                self.values[2 + 2 * place + axis] += first_column;
-                self.values[second + 1 + 2 * place + axis] += second_column;
-            }
-        }
-    }
-
-    /// k n⊗n, eqs. (19) and (20), of a spring to a higher node, off the diagonal; returns that node, and
-    /// what the diagonals of both get.
-    fn add_pair(
-        &mut self,
-        [a, b]: [u32; 2],
-        stiffness: f64,
-        positions: &[[f64; 2]],
-    ) -> (u32, [f64; 3]) {
-        let other = a.max(b);
-        let block @ [xx, xy, yy] = pair_block([a, b], stiffness, positions);
-        let second = 2 + 2 * self.neighbours.len();
-        let place = self.place(other);
-        let (first, second) = self.values.split_at_mut(second);
-        first[2 + 2 * place] -= xx;
-        first[3 + 2 * place] -= xy;
-        second[1 + 2 * place] -= xy;
-        second[2 + 2 * place] -= yy;
-        (other, block)
-    }
-
-    fn add_diagonal(&mut self, [xx, xy, yy]: [f64; 3]) {
-        self.values[0] += xx;
-        self.values[1] += xy;
-        self.values[2 + 2 * self.neighbours.len()] += yy;
-    }
-
-    /// K = k w wᵀ.
-    fn add_spring(&mut self, springs: &Springs, spring: usize, positions: &[[f64; 2]]) {
-        let mut own = [0.0; 2];
-        springs.for_each_term(spring, positions, |node, w| {
-            if node == self.node {
-                own = w;
-            }
-        });
-        let stiffness = springs.stiffness[spring];
-        springs.for_each_term(spring, positions, |node, w| {
-            self.add_block(
-                node,
-                w.map(|row| own.map(|column| stiffness * row * column)),
-            );
-        });
-    }
-
-    fn add_element(&mut self, element: &ElementStiffness) {
-        let own = element.nodes.iter().position(|&n| n == self.node);
-        let own = 2 * own.expect("an element is listed at its own nodes only");
-        for (b, &other) in element.nodes.iter().enumerate() {
-            let block = [0, 1].map(|row| [0, 1].map(|c| element.matrix[(2 * b + row, own + c)]));
-            self.add_block(other, block);
-        }
-    }
 }
 
 #[cfg(test)]

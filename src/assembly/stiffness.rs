@@ -1,7 +1,8 @@
 //! K in either form: symmetric, of which the lower triangle is stored, or full.
 
 use super::full::FullMatrix;
-use super::{LowerMatrix, column_parts, mean_diagonal};
+use super::parts::column_parts;
+use super::{LowerMatrix, mean_diagonal};
 use faer::sparse::SymbolicSparseColMatRef;
 use rayon::prelude::*;
 use std::collections::BTreeMap;

@@ -12,7 +12,7 @@
 //! small; then one solution finds u' everywhere, and its true residual is checked.
 //!
 //! Where the next update would cost more than that, the factorisation itself follows the bonds that are
-//! gone (`linear_solver/multifrontal.rs`): the supernodes above them are factorised anew, with the bits of
+//! gone (`linear_solver/refactorisation.rs`): the supernodes above them are factorised anew, with the bits of
 //! a whole factorisation.
 //!
 //! A fragment that has come off does not move, z_F = 0: the unknowns there are the forces r that hold it,

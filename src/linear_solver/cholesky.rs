@@ -6,8 +6,9 @@
 
 use super::SolverError;
 use super::held::{Held, HeldColumns};
-use super::multifrontal::{self, Child, Front, Kept, NotPositive, Pool, parallelism};
+use super::multifrontal::{self, Child, Front, NotPositive, Pool, parallelism};
 use super::ordering::{Ordering, elimination_order};
+use super::refactorisation::{self, Kept};
 use super::supernodes::Supernodes;
 use super::triangular::{self, Factors, Wanted};
 use crate::assembly::{Lists, LowerMatrix};
@@ -128,7 +129,7 @@ impl Symbolic {
         };
         let kept = multifrontal::factorise(structure, &fronts, &mut values, &self.pool, parents);
         Ok(Factor {
-            kept: kept.map_err(|pivot| not_positive(structure, pivot))?,
+            kept: Kept::new(kept.map_err(|pivot| not_positive(structure, pivot))?),
             structure: structure.clone(),
             values,
             pool: self.pool.clone(),
@@ -193,7 +194,7 @@ impl Factor {
         };
         let path = structure.above(nodes);
         let (values, kept) = (&mut self.values, &mut self.kept);
-        multifrontal::refactorise(structure, &fronts, values, &self.pool, kept, &path)
+        refactorisation::refactorise(structure, &fronts, values, &self.pool, kept, &path)
             .map_err(|pivot| not_positive(structure, pivot))
     }
 

@@ -1,4 +1,4 @@
-//! The inner loops of solutions and of fronts, compiled for the processor's vector instructions.
+//! The inner loops of solutions, compiled for the processor's vector instructions.
 //!
 //! Sums are kept in fixed lanes and products are rounded before they are added, so that the bits depend
 //! neither on the processor nor on how many right-hand sides go through L together.
@@ -215,88 +215,6 @@ fn subtract<const C: usize, const R: usize>(block: Block, begin: usize, end: usi
             }
             f[r * height + begin + j] -= sum;
         }
-    }
-}
-
-/// Adds rows of an update that are next to each other to where they are next to each other in a front.
-pub struct Added<'a> {
-    /// Row in the update, row in the front, length; ascending.
-    pub runs: &'a [[usize; 3]],
-    /// Column by column.
-    pub update: &'a [f64],
-    pub rows: usize,
-    /// Columns of the front from `first` on, its rows from `first` on.
-    pub front: &'a mut [f64],
-    pub height: usize,
-    pub first: usize,
-    pub end: usize,
-    /// The lower triangle only.
-    pub lower: bool,
-    /// Nothing else is stored of the update.
-    pub packed: bool,
-}
-
-impl Added<'_> {
-    pub fn add(self) {
-        Arch::new().dispatch(self);
-    }
-}
-
-impl WithSimd for Added<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let (first, height) = (self.first, self.height);
-        for (k, &[row, place, length]) in self.runs.iter().enumerate() {
-            if place < first || place >= self.end {
-                continue;
-            }
-            for j in 0..length {
-                let column = row + j;
-                let missing = if self.packed {
-                    column * (column + 1) / 2
-                } else {
-                    0
-                };
-                let from = &self.update[column * self.rows - missing..][..self.rows];
-                let to = &mut self.front[(place - first + j) * height..][..height];
-                let runs = if self.lower {
-                    let own = &from[row + j..row + length];
-                    add(&mut to[place - first + j..], own);
-                    &self.runs[k + 1..]
-                } else {
-                    self.runs
-                };
-                for &[row, place, length] in runs {
-                    if place >= first {
-                        add(&mut to[place - first..], &from[row..row + length]);
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Most runs are short: four at a time without a longer loop before it.
-#[inline(always)]
-fn add(to: &mut [f64], from: &[f64]) {
-    let to = &mut to[..from.len()];
-    let (to, to_rest) = to.as_chunks_mut::<4>();
-    let (from, from_rest) = from.as_chunks::<4>();
-    for (to, from) in to.iter_mut().zip(from) {
-        for lane in 0..4 {
-            to[lane] += from[lane];
-        }
-    }
-    let (to, to_rest) = to_rest.as_chunks_mut::<2>();
-    let (from, from_rest) = from_rest.as_chunks::<2>();
-    if let ([to], [from]) = (to, from) {
-        to[0] += from[0];
-        to[1] += from[1];
-    }
-    if let ([to], [from]) = (to_rest, from_rest) {
-        *to += from;
     }
 }
 

@@ -13,8 +13,9 @@
 
 use super::SolverError;
 use super::held::{Held, HeldColumns};
-use super::multifrontal::{self, Child, Front, Kept, NotPositive, Pool, parallelism};
+use super::multifrontal::{self, Child, Front, NotPositive, Pool, parallelism};
 use super::partial_pivoting::{self, MOST_GROWTH, norm, random};
+use super::refactorisation::{self, Kept};
 use super::supernodes::Supernodes;
 use super::triangular::{self, Factors, Wanted, pivoted_start};
 use crate::assembly::full::{FullMatrix, mean_diagonal};
@@ -136,7 +137,7 @@ impl Symbolic {
             structure: structure.clone(),
             pool: self.pool.clone(),
             places: self.places.clone(),
-            kept: kept.expect("fronts of LU refuse no pivot"),
+            kept: Kept::new(kept.expect("fronts of LU refuse no pivot")),
             values,
         })
     }
@@ -200,7 +201,7 @@ impl Own {
         let path = structure.above(nodes);
         let (values, kept) = (&mut self.values, &mut self.kept);
         let refused =
-            multifrontal::refactorise(structure, &fronts, values, &self.pool, kept, &path);
+            refactorisation::refactorise(structure, &fronts, values, &self.pool, kept, &path);
         refused.expect("fronts of LU refuse no pivot");
     }
 

@@ -10,17 +10,13 @@
 //! Subtrees of the elimination tree do not need each other: those with work enough are shared out to
 //! the threads, and large blocks near the root are cut. Both follow from the structure alone, and children
 //! are added in their order: the bits do not depend on the number of threads.
-//!
-//! Where K changes in the fronts of a few supernodes, these and those above them are factorised anew
-//! ([`refactorise`]), from what their other children pass up, which is kept ([`Kept`]): the same sums, and so
-//! the same bits.
 
-use super::kernels::Added;
+use super::extend_add::Runs;
 use super::supernodes::Supernodes;
 use faer::Par;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
@@ -68,17 +64,11 @@ pub struct Child<'a> {
     pub update: &'a [f64],
 }
 
-/// What it takes to factorise some supernodes anew.
-#[derive(Clone, Debug, Default)]
-pub struct Kept {
-    /// What supernodes pass up to those that were, and may be again; of lower triangles, these alone.
-    updates: BTreeMap<usize, Vec<f64>>,
-    /// What a pivot has left undone, ascending.
-    undone: Vec<usize>,
-}
+/// By supernodes: what they pass up, in as little room as it needs; of lower triangles, these alone.
+pub type Updates = BTreeMap<usize, Vec<f64>>;
 
 /// Fills the numbers of all supernodes. `path`: those that are likely to change, ascending and with each of them
-/// all above it; what others pass up to them is kept.
+/// all above it; what others pass up to them is returned.
 ///
 /// # Errors
 /// [`NotPositive`].
@@ -88,96 +78,11 @@ pub fn factorise<F: Front>(
     values: &mut [f64],
     pool: &Pool,
     path: &[usize],
-) -> Result<Kept, NotPositive> {
+) -> Result<Updates, NotPositive> {
     let numeric = Numeric::new(structure, front, pool, path);
     let roots = numeric.subtrees(&structure.roots(), values, 0)?;
     roots.into_iter().for_each(|root| pool.give(root.values));
     Ok(numeric.kept())
-}
-
-/// Fills the numbers of the supernodes of a path anew: ascending, with each of them all above it. What
-/// others pass up to them is taken from what is kept, or is found anew as well, and kept from now on.
-///
-/// # Errors
-/// [`NotPositive`]: what is left of the path is done by the next call.
-pub fn refactorise<F: Front>(
-    structure: &Supernodes,
-    front: &F,
-    values: &mut [f64],
-    pool: &Pool,
-    kept: &mut Kept,
-    path: &[usize],
-) -> Result<(), NotPositive> {
-    let undone = std::mem::take(&mut kept.undone);
-    let (path, missing) = kept.complete(structure, path.iter().copied().chain(undone).collect());
-    let numeric = Numeric::new(structure, front, pool, &[]);
-    let updates = numeric.stored_subtrees(&missing, values);
-    kept.updates
-        .extend(updates.inspect_err(|_| kept.undone.clone_from(&path))?);
-    numeric.along(&path, values, kept)
-}
-
-/// The numbers of each supernode of a path.
-fn blocks<'v, F: Front>(
-    front: &F,
-    mut values: &'v mut [f64],
-    path: &[usize],
-) -> BTreeMap<usize, &'v mut [f64]> {
-    let mut offset = 0;
-    let block = |&s: &usize| {
-        let [begin, end] = [s, s + 1].map(|s| front.start(s));
-        let rest = &mut std::mem::take(&mut values)[begin - offset..];
-        let (own, rest) = rest.split_at_mut(end - begin);
-        (values, offset) = (rest, end);
-        (s, own)
-    };
-    path.iter().map(block).collect()
-}
-
-/// A path by distance from the root, the farthest first: these do not need each other.
-fn levels(structure: &Supernodes, path: &[usize]) -> Vec<Vec<usize>> {
-    let mut depths: BTreeMap<usize, usize> = BTreeMap::new();
-    let mut levels: Vec<Vec<usize>> = Vec::new();
-    for &s in path.iter().rev() {
-        let depth = structure.parent(s).map_or(0, |parent| depths[&parent] + 1);
-        depths.insert(s, depth);
-        levels.resize_with(levels.len().max(depth + 1), Vec::new);
-        levels[depth].push(s);
-    }
-    levels.reverse();
-    levels
-}
-
-impl Kept {
-    /// A path with those supernodes off it of which nothing is kept, but of some below them; and the roots of the
-    /// subtrees of which nothing is. Both ascending.
-    fn complete(
-        &self,
-        structure: &Supernodes,
-        mut path: BTreeSet<usize>,
-    ) -> (Vec<usize>, Vec<usize>) {
-        let mut missing = BTreeSet::new();
-        let mut looked_at: Vec<usize> = path.iter().copied().collect();
-        while let Some(s) = looked_at.pop() {
-            for child in structure.children_from_last(s) {
-                if self.updates.contains_key(&child) || path.contains(&child) {
-                    continue;
-                }
-                if self
-                    .updates
-                    .range(structure.subtree(child))
-                    .next()
-                    .is_some()
-                {
-                    path.insert(child);
-                    looked_at.push(child);
-                } else {
-                    missing.insert(child);
-                }
-            }
-        }
-        (path.into_iter().collect(), missing.into_iter().collect())
-    }
 }
 
 /// How many threads a supernode is for.
@@ -189,15 +94,15 @@ pub fn parallelism(structure: &Supernodes, s: usize) -> Par {
     }
 }
 
-struct Numeric<'a, F> {
-    structure: &'a Supernodes,
-    front: &'a F,
+pub struct Numeric<'a, F> {
+    pub structure: &'a Supernodes,
+    pub front: &'a F,
     /// Work of the smallest subtree that is looked into for more tasks.
     least: f64,
-    pool: &'a Pool,
+    pub pool: &'a Pool,
     /// What others pass up to these is kept; ascending.
     path: &'a [usize],
-    kept: Mutex<BTreeMap<usize, Vec<f64>>>,
+    kept: Mutex<Updates>,
 }
 
 /// What a supernode passes up.
@@ -221,7 +126,7 @@ pub struct Pool(Mutex<Vec<Vec<f64>>>);
 
 impl Pool {
     /// So many numbers, whichever they are.
-    fn take(&self, length: usize) -> Vec<f64> {
+    pub fn take(&self, length: usize) -> Vec<f64> {
         let mut free = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let fitting = free.iter().position(|vector| vector.capacity() >= length);
         let found = fitting.map(|k| free.remove(k));
@@ -242,7 +147,7 @@ impl Pool {
             .clear();
     }
 
-    fn give(&self, vector: Vec<f64>) {
+    pub fn give(&self, vector: Vec<f64>) {
         let mut free = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let at = free.partition_point(|other| other.capacity() < vector.capacity());
         free.insert(at, vector);
@@ -250,7 +155,7 @@ impl Pool {
 }
 
 impl<'a, F: Front> Numeric<'a, F> {
-    fn new(
+    pub fn new(
         structure: &'a Supernodes,
         front: &'a F,
         pool: &'a Pool,
@@ -266,12 +171,9 @@ impl<'a, F: Front> Numeric<'a, F> {
         }
     }
 
-    fn kept(self) -> Kept {
-        let updates = self.kept.into_inner();
-        Kept {
-            updates: updates.unwrap_or_else(PoisonError::into_inner),
-            undone: Vec::new(),
-        }
+    fn kept(self) -> Updates {
+        let kept = self.kept.into_inner();
+        kept.unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Subtrees in ascending order; `values` begins at number `offset`.
@@ -290,7 +192,7 @@ impl<'a, F: Front> Numeric<'a, F> {
     }
 
     /// What the roots of subtrees pass up, in as little room as it needs; ascending.
-    fn stored_subtrees(
+    pub fn stored_subtrees(
         &self,
         roots: &[usize],
         values: &mut [f64],
@@ -375,7 +277,13 @@ impl<'a, F: Front> Numeric<'a, F> {
     }
 
     /// `packed`: of the update, the lower triangle alone is there.
-    fn child<'u>(&self, child: usize, parent: usize, update: &'u [f64], packed: bool) -> Child<'u> {
+    pub fn child<'u>(
+        &self,
+        child: usize,
+        parent: usize,
+        update: &'u [f64],
+        packed: bool,
+    ) -> Child<'u> {
         let (places, width) = (self.structure.places(child), self.structure.width(parent));
         Child {
             runs: Runs::new(places, width, packed),
@@ -407,79 +315,6 @@ impl<'a, F: Front> Numeric<'a, F> {
         })
     }
 
-    /// Fills the numbers of a path, ascending, those far from the root first; what others pass up is kept.
-    ///
-    /// # Errors
-    /// [`NotPositive`]: what is left is noted as undone.
-    fn along(
-        &self,
-        path: &[usize],
-        values: &mut [f64],
-        kept: &mut Kept,
-    ) -> Result<(), NotPositive> {
-        path.iter().for_each(|s| drop(kept.updates.remove(s)));
-        let mut blocks = blocks(self.front, values, path);
-        // Of the path itself, until their parents have taken them.
-        let mut fresh: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-        let mut undone: BTreeSet<usize> = path.iter().copied().collect();
-        let mut failed: Option<(usize, NotPositive)> = None;
-        for level in levels(self.structure, path) {
-            // What is eliminated before a pivot that failed is done all the same: the first one is told.
-            let is_before = |s: &usize| failed.is_none_or(|(failed, _)| *s < failed);
-            let level: Vec<(usize, &mut [f64])> = (level.into_iter().filter(is_before))
-                .map(|s| (s, blocks.remove(&s).expect("done once")))
-                .collect();
-            let done: Vec<_> = (level.into_par_iter())
-                .map(|(s, own)| (s, self.again(s, own, &fresh, &kept.updates)))
-                .collect();
-            for (s, update) in done {
-                match update {
-                    Ok(update) => {
-                        let children = self.structure.children_from_last(s);
-                        let taken = children.filter_map(|child| fresh.remove(&child));
-                        taken.for_each(|update| self.pool.give(update));
-                        fresh.insert(s, update);
-                        undone.remove(&s);
-                    }
-                    Err(pivot) => failed = Some(failed.map_or((s, pivot), |f| f.min((s, pivot)))),
-                }
-            }
-        }
-        let Some((_, pivot)) = failed else {
-            fresh
-                .into_values()
-                .for_each(|update| self.pool.give(update));
-            return Ok(());
-        };
-        for (s, update) in fresh {
-            kept.updates.insert(s, self.stored(s, &update));
-        }
-        kept.undone = undone.into_iter().collect();
-        Err(pivot)
-    }
-
-    /// A supernode of a path once more, from what its children pass up: those of the path, and what is kept.
-    fn again(
-        &self,
-        s: usize,
-        own: &mut [f64],
-        fresh: &BTreeMap<usize, Vec<f64>>,
-        kept: &BTreeMap<usize, Vec<f64>>,
-    ) -> Result<Vec<f64>, NotPositive> {
-        let count = self.structure.rows(s).len().pow(2);
-        let mut update = self.pool.take(count);
-        let children = self.structure.children(s);
-        let child = |&child: &usize| match fresh.get(&child) {
-            Some(update) => self.child(child, s, update, false),
-            None => self.child(child, s, &kept[&child], F::LOWER),
-        };
-        let updates: Vec<Child> = children.iter().map(child).collect();
-        let mut memory = MemBuffer::new(self.front.scratch(self.structure.width(s)));
-        let memory = MemStack::new(&mut memory);
-        (self.front).eliminate(s, own, &updates, &mut update[..count], memory)?;
-        Ok(update)
-    }
-
     /// Keeps what a supernode passes up, if it is needed once more.
     fn keep(&self, s: usize, update: &[f64]) {
         let is_on_path = |s: usize| self.path.binary_search(&s).is_ok();
@@ -492,7 +327,7 @@ impl<'a, F: Front> Numeric<'a, F> {
     }
 
     /// An update in as little room as it needs.
-    fn stored(&self, s: usize, update: &[f64]) -> Vec<f64> {
+    pub fn stored(&self, s: usize, update: &[f64]) -> Vec<f64> {
         let rows = self.structure.rows(s).len();
         if !F::LOWER {
             return update[..rows * rows].to_vec();
@@ -574,91 +409,5 @@ impl Stacks {
             }
         }
         Stacks { level, size }
-    }
-}
-
-/// Rows of a child that are next to each other in its parent.
-pub struct Runs {
-    /// Row of the child, row of the parent's front, length; ascending.
-    runs: Vec<[usize; 3]>,
-    rows: usize,
-    /// Columns of the parent.
-    width: usize,
-    packed: bool,
-}
-
-impl Runs {
-    fn new(places: &[u32], width: usize, packed: bool) -> Runs {
-        let mut runs: Vec<[usize; 3]> = Vec::new();
-        for (row, &place) in places.iter().enumerate() {
-            let place = place as usize;
-            match runs.last_mut() {
-                // Columns and rows of the parent go to different places.
-                Some([_, begin, length]) if *begin + *length == place && place != width => {
-                    *length += 1;
-                }
-                _ => runs.push([row, place, 1]),
-            }
-        }
-        Runs {
-            runs,
-            rows: places.len(),
-            width,
-            packed,
-        }
-    }
-
-    /// How many of the child's rows are the parent's columns.
-    pub fn inside(&self) -> usize {
-        let after = self.runs.iter().find(|[_, place, _]| *place >= self.width);
-        after.map_or(self.rows, |&[row, ..]| row)
-    }
-
-    /// Row of the parent's front for each row of the child.
-    pub fn places(&self) -> impl Iterator<Item = usize> + '_ {
-        let places = |&[_, place, length]: &[usize; 3]| place..place + length;
-        self.runs.iter().flat_map(places)
-    }
-
-    /// Adds the part of a lower triangle that falls into the parent's columns.
-    pub fn add_columns(&self, update: &[f64], block: &mut [f64], height: usize) {
-        self.add(update, block, height, 0..self.width, true);
-    }
-
-    /// Adds the part of a lower triangle that the parent passes on.
-    pub fn add_rest(&self, update: &[f64], passed: &mut [f64], rows: usize) {
-        self.add(update, passed, rows, self.width..usize::MAX, true);
-    }
-
-    /// As [`Runs::add_columns`], all rows.
-    pub fn add_full_columns(&self, update: &[f64], block: &mut [f64], height: usize) {
-        self.add(update, block, height, 0..self.width, false);
-    }
-
-    /// As [`Runs::add_rest`], all rows.
-    pub fn add_full_rest(&self, update: &[f64], passed: &mut [f64], rows: usize) {
-        self.add(update, passed, rows, self.width..usize::MAX, false);
-    }
-
-    fn add(
-        &self,
-        update: &[f64],
-        front: &mut [f64],
-        height: usize,
-        columns: Range<usize>,
-        lower: bool,
-    ) {
-        Added {
-            runs: &self.runs,
-            update,
-            rows: self.rows,
-            front,
-            height,
-            first: columns.start,
-            end: columns.end,
-            lower,
-            packed: self.packed,
-        }
-        .add();
     }
 }

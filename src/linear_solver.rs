@@ -17,6 +17,7 @@ mod partial_pivoting;
 mod path;
 mod refactorisation;
 pub mod supernodes;
+pub mod tiles;
 mod triangular;
 pub mod two_level;
 

@@ -1,22 +1,17 @@
-//! Small dense systems: LU with partial pivoting by faer.
+//! Small dense systems: LU with partial pivoting.
 
+use crate::linear_solver::tiles;
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::lu::partial_pivoting::{factor, solve};
+use faer::linalg::lu::partial_pivoting::solve;
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::perm::PermRef;
 use faer::{Conj, Mat, MatMut, Par};
-
-/// Products are cut into so many parts, whatever the number of threads: the cuts decide the bits.
-const PARTS: usize = 8;
-
-/// Below this size one thread is faster.
-const PARALLEL_SIZE: usize = 512;
 
 /// A = P⁻¹ L U.
 pub struct Lu {
     factors: Mat<f64>,
     /// The permutation of the rows and its inverse.
-    rows: [Vec<usize>; 2],
+    rows: [Vec<u32>; 2],
 }
 
 impl Lu {
@@ -24,21 +19,13 @@ impl Lu {
     /// x with A x = 0 where a pivot is below `least` times the largest, or not a number.
     pub fn new(mut matrix: Mat<f64>, least: f64) -> Result<Lu, Vec<f64>> {
         let n = matrix.nrows();
-        let par = match n < PARALLEL_SIZE {
-            true => Par::Seq,
-            false => Par::rayon(PARTS),
-        };
-        let mut rows = [vec![0; n], vec![0; n]];
-        let [forward, inverse] = &mut rows;
-        let scratch = factor::lu_in_place_scratch::<usize, f64>(n, n, par, Default::default());
-        factor::lu_in_place(
-            matrix.as_mut(),
-            forward,
-            inverse,
-            par,
-            MemStack::new(&mut MemBuffer::new(scratch)),
-            Default::default(),
-        );
+        let mut memory = MemBuffer::new(tiles::lu_scratch(n));
+        let forward = tiles::lu(matrix.as_mut(), MemStack::new(&mut memory));
+        let mut inverse = vec![0; n];
+        (0..)
+            .zip(&forward)
+            .for_each(|(k, &row)| inverse[row as usize] = k);
+        let rows = [forward, inverse];
         let pivots = || (0..n).map(|k| matrix[(k, k)].abs());
         let largest = pivots().fold(0.0, f64::max);
         // Also what is not a number is no pivot.
@@ -66,7 +53,7 @@ impl Lu {
     pub fn solve_many_in_place(&self, rhs: MatMut<f64>) {
         let n = self.size();
         let [forward, inverse] = &self.rows;
-        let scratch = solve::solve_in_place_scratch::<usize, f64>(n, rhs.ncols(), Par::Seq);
+        let scratch = solve::solve_in_place_scratch::<u32, f64>(n, rhs.ncols(), Par::Seq);
         solve::solve_in_place_with_conj(
             self.factors.as_ref(),
             self.factors.as_ref(),

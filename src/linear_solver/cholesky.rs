@@ -6,18 +6,16 @@
 
 use super::SolverError;
 use super::held::{Held, HeldColumns};
-use super::multifrontal::{self, Child, Front, NotPositive, Pool, parallelism};
+use super::multifrontal::{self, Child, Front, NotPositive, Pool};
 use super::ordering::{Ordering, elimination_order};
 use super::refactorisation::{self, Kept};
 use super::supernodes::Supernodes;
+use super::tiles;
 use super::triangular::{self, Factors, Wanted};
 use crate::assembly::{Lists, LowerMatrix};
 use faer::dyn_stack::{MemStack, StackReq};
-use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::matmul::triangular::{self as lower, BlockStructure};
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::sparse::SymbolicSparseColMatRef;
-use faer::{Accum, MatMut, Par};
+use faer::{Accum, MatMut};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The least pivot L_jj² over K_jj. A singular K leaves pivots of rounding size, some 1e-16, of either
@@ -241,7 +239,7 @@ impl Front for Fronts<'_> {
     }
 
     fn scratch(&self, columns: usize) -> StackReq {
-        cholesky_in_place_scratch::<f64>(columns, Par::Seq, Default::default())
+        tiles::cholesky_scratch(columns)
     }
 
     fn eliminate(
@@ -264,21 +262,12 @@ impl Front for Fronts<'_> {
         for child in children {
             child.runs.add_columns(child.update, block, height);
         }
-        let par = parallelism(structure, s);
-        let l = MatMut::from_column_major_slice_mut(block, height, width);
-        let (mut l11, mut l21) = l.split_at_row_mut(width);
         let first = structure.columns(s).start;
-        cholesky_in_place(
-            l11.as_mut(),
-            Default::default(),
-            par,
-            memory,
-            Default::default(),
-        )
-        .map_err(|LltError::NonPositivePivot { index }| NotPositive(first + index))?;
+        let mut l = MatMut::from_column_major_slice_mut(block, height, width);
+        tiles::cholesky(l.as_mut(), memory).map_err(|column| NotPositive(first + column))?;
         for (j, &diagonal) in diagonal.iter().enumerate() {
             // False for a pivot that is not a number.
-            let sound = l11[(j, j)].powi(2) > LEAST_PIVOT * diagonal;
+            let sound = l[(j, j)].powi(2) > LEAST_PIVOT * diagonal;
             if !sound {
                 return Err(NotPositive(first + j));
             }
@@ -286,19 +275,8 @@ impl Front for Fronts<'_> {
         if rows == 0 {
             return Ok(());
         }
-        solve_lower_triangular_in_place(l11.as_ref(), l21.as_mut().transpose_mut(), par);
-        let mut u = MatMut::from_column_major_slice_mut(update, rows, rows);
-        lower::matmul(
-            u.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Replace,
-            l21.as_ref(),
-            BlockStructure::Rectangular,
-            l21.as_ref().transpose(),
-            BlockStructure::Rectangular,
-            -1.0,
-            par,
-        );
+        let passed = MatMut::from_column_major_slice_mut(update, rows, rows);
+        tiles::subtract_square(passed, l.as_ref().subrows(width, rows), Accum::Replace);
         for child in children {
             child.runs.add_rest(child.update, update, rows);
         }

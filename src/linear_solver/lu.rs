@@ -13,21 +13,17 @@
 
 use super::SolverError;
 use super::held::{Held, HeldColumns};
-use super::multifrontal::{self, Child, Front, NotPositive, Pool, parallelism};
+use super::multifrontal::{self, Child, Front, NotPositive, Pool};
 use super::partial_pivoting::{self, MOST_GROWTH, norm, random};
 use super::refactorisation::{self, Kept};
 use super::supernodes::Supernodes;
+use super::tiles;
 use super::triangular::{self, Factors, Wanted, pivoted_start};
 use crate::assembly::full::{FullMatrix, mean_diagonal};
 use crate::assembly::stiffness::hold;
 use faer::dyn_stack::{MemStack, StackReq};
-use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
-use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place,
-};
 use faer::sparse::SymbolicSparseColMatRef;
-use faer::{Accum, MatMut, Par};
+use faer::{Accum, MatMut};
 use std::sync::Arc;
 
 /// ‖b − K x‖ over ‖K‖ ‖x‖ of the probe, the mean diagonal for ‖K‖. Rounding leaves some 1e-16 times the
@@ -310,7 +306,7 @@ impl Front for Fronts<'_> {
     }
 
     fn scratch(&self, columns: usize) -> StackReq {
-        lu_in_place_scratch::<u32, f64>(columns, columns, Par::Seq, Default::default())
+        tiles::lu_scratch(columns)
     }
 
     fn eliminate(
@@ -334,21 +330,17 @@ impl Front for Fronts<'_> {
             child.runs.add_full_columns(child.update, left, height);
             add_rows(child, right, height);
         }
-        let par = parallelism(structure, s);
         let l = MatMut::from_column_major_slice_mut(left, height, width);
         let (mut l11, mut l21) = l.split_at_row_mut(width);
-        let mut perm = vec![0_u32; 2 * width];
-        let (forward, inverse) = perm.split_at_mut(width);
-        let params = Default::default();
-        lu_in_place(l11.as_mut(), forward, inverse, par, memory, params);
-        let unchanged = (0..width).all(|k| forward[k] as usize == k);
+        let rows_of = tiles::lu(l11.as_mut(), memory);
+        let unchanged = (0..width).all(|k| rows_of[k] as usize == k);
         if !unchanged {
             let before = right.to_vec();
-            for (column, &from) in right.chunks_exact_mut(height).zip(&*forward) {
+            for (column, &from) in right.chunks_exact_mut(height).zip(&rows_of) {
                 column.copy_from_slice(&before[from as usize * height..][..height]);
             }
         }
-        for (number, &from) in order.iter_mut().zip(&*forward) {
+        for (number, &from) in order.iter_mut().zip(&rows_of) {
             *number = f64::from(from);
         }
         let u = MatMut::from_column_major_slice_mut(right, height, width);
@@ -362,11 +354,11 @@ impl Front for Fronts<'_> {
         if rows == 0 {
             return Ok(());
         }
-        solve_lower_triangular_in_place(u11.as_ref(), l21.as_mut().transpose_mut(), par);
-        solve_unit_lower_triangular_in_place(l11.as_ref(), u12.as_mut().transpose_mut(), par);
-        let mut passed = MatMut::from_column_major_slice_mut(update, rows, rows);
+        tiles::solve_rows(u11.as_ref(), l21.as_mut());
+        tiles::solve_unit_rows(l11.as_ref(), u12.as_mut());
+        let passed = MatMut::from_column_major_slice_mut(update, rows, rows);
         let (l21, u12) = (l21.as_ref(), u12.as_ref().transpose());
-        matmul(passed.as_mut(), Accum::Replace, l21, u12, -1.0, par);
+        tiles::subtract_product(passed, l21, u12, Accum::Replace);
         for child in children {
             child.runs.add_full_rest(child.update, update, rows);
         }

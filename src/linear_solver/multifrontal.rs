@@ -8,12 +8,11 @@
 //! ```
 //!
 //! Subtrees of the elimination tree do not need each other: those with work enough are shared out to
-//! the threads, and large blocks near the root are cut. Both follow from the structure alone, and children
+//! the threads, and blocks are cut in tiles (`tiles.rs`). Both follow from the structure alone, and children
 //! are added in their order: the bits do not depend on the number of threads.
 
 use super::extend_add::Runs;
 use super::supernodes::Supernodes;
-use faer::Par;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -23,11 +22,6 @@ use std::sync::{Mutex, PoisonError};
 /// Subtrees with less than this share of all work, or less work than this, stay with one thread.
 const SHARE: f64 = 1.0 / 64.0;
 const LEAST_WORK: f64 = 1e7;
-
-/// Blocks with more multiplications and additions are cut for the threads, into this many parts
-/// whatever the number of threads: the cuts decide the order of sums, and so the bits.
-const LARGE: f64 = 2e8;
-const PARTS: usize = 8;
 
 /// The column of a pivot that is not positive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -83,15 +77,6 @@ pub fn factorise<F: Front>(
     let roots = numeric.subtrees(&structure.roots(), values, 0)?;
     roots.into_iter().for_each(|root| pool.give(root.values));
     Ok(numeric.kept())
-}
-
-/// How many threads a supernode is for.
-pub fn parallelism(structure: &Supernodes, s: usize) -> Par {
-    if structure.flops(s) > LARGE {
-        Par::rayon(PARTS)
-    } else {
-        Par::Seq
-    }
 }
 
 pub struct Numeric<'a, F> {

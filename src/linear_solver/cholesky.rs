@@ -5,17 +5,20 @@
 //! ```
 
 use super::SolverError;
+use super::extend_add::{Entries, Part};
 use super::held::{Held, HeldColumns};
 use super::multifrontal::{self, Child, Front, NotPositive, Pool};
 use super::ordering::{Ordering, elimination_order};
 use super::refactorisation::{self, Kept};
 use super::supernodes::Supernodes;
-use super::tiles;
+use super::tiles::{self, PANEL};
 use super::triangular::{self, Factors, Wanted};
 use crate::assembly::{Lists, LowerMatrix};
 use faer::dyn_stack::{MemStack, StackReq};
 use faer::sparse::SymbolicSparseColMatRef;
-use faer::{Accum, MatMut};
+use faer::{Accum, MatMut, MatRef};
+use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The least pivot L_jj² over K_jj. A singular K leaves pivots of rounding size, some 1e-16, of either
@@ -253,15 +256,11 @@ impl Front for Fronts<'_> {
         let structure = self.structure;
         let (width, rows) = (structure.width(s), structure.rows(s).len());
         let height = width + rows;
-        block.fill(0.0);
-        self.add_matrix(s, block);
         let mut diagonal = vec![0.0; width];
         for (column, diagonal) in diagonal.iter_mut().enumerate() {
             *diagonal = self.diagonal(s, column);
         }
-        for child in children {
-            child.runs.add_columns(child.update, block, height);
-        }
+        self.gather(s, block, children);
         let first = structure.columns(s).start;
         let mut l = MatMut::from_column_major_slice_mut(block, height, width);
         tiles::cholesky(l.as_mut(), memory).map_err(|column| NotPositive(first + column))?;
@@ -275,16 +274,52 @@ impl Front for Fronts<'_> {
         if rows == 0 {
             return Ok(());
         }
-        let passed = MatMut::from_column_major_slice_mut(update, rows, rows);
-        tiles::subtract_square(passed, l.as_ref().subrows(width, rows), Accum::Replace);
-        for child in children {
-            child.runs.add_rest(child.update, update, rows);
-        }
+        self.pass_up(s, l.as_ref().subrows(width, rows), children, update);
         Ok(())
     }
 }
 
 impl Fronts<'_> {
+    /// A front's columns: what is K's, and what children pass up.
+    fn gather(&self, s: usize, block: &mut [f64], children: &[Child]) {
+        let width = self.structure.width(s);
+        let height = width + self.structure.rows(s).len();
+        let columns = block.par_chunks_mut(PANEL * height).enumerate();
+        columns.for_each(|(k, values)| {
+            let columns = k * PANEL..width.min((k + 1) * PANEL);
+            self.fill(s, columns.clone(), values);
+            for child in children {
+                let part = Part {
+                    values,
+                    columns: columns.clone(),
+                    first_row: 0,
+                    height,
+                };
+                child.runs.add(child.update, part, Entries::Lower);
+            }
+        });
+    }
+
+    /// U, tile by tile: each is in the cache when what children pass up is added.
+    fn pass_up(&self, s: usize, l21: MatRef<f64>, children: &[Child], update: &mut [f64]) {
+        let (width, rows) = (self.structure.width(s), l21.nrows());
+        let columns = update.par_chunks_mut(PANEL * rows).enumerate();
+        columns.for_each(|(k, values)| {
+            let (first, count) = (k * PANEL, values.len() / rows);
+            let passed = MatMut::from_column_major_slice_mut(values, rows, count);
+            tiles::subtract_square(passed, first, l21, Accum::Replace);
+            for child in children {
+                let part = Part {
+                    values,
+                    columns: width + first..width + first + count,
+                    first_row: width,
+                    height: rows,
+                };
+                child.runs.add(child.update, part, Entries::Lower);
+            }
+        });
+    }
+
     fn diagonal(&self, s: usize, column: usize) -> f64 {
         let first = self.structure.columns(s).start + column - column % 2;
         let sources = self.structure.sources(first);
@@ -298,12 +333,18 @@ impl Fronts<'_> {
         }
     }
 
-    /// K's entries in the columns of a supernode.
-    fn add_matrix(&self, s: usize, block: &mut [f64]) {
+    /// K's entries in some columns of a supernode.
+    fn fill(&self, s: usize, part: Range<usize>, block: &mut [f64]) {
+        block.fill(0.0);
         let columns = self.structure.columns(s);
         let height = columns.len() + self.structure.rows(s).len();
-        for (first, pair) in columns.clone().step_by(2).zip((0..).step_by(2)) {
-            let (left, right) = block[pair * height..(pair + 2) * height].split_at_mut(height);
+        for (pair, pairs) in part
+            .clone()
+            .step_by(2)
+            .zip(block.chunks_exact_mut(2 * height))
+        {
+            let first = columns.start + pair;
+            let (left, right) = pairs.split_at_mut(height);
             for source in self.structure.sources(first) {
                 let row = source.row as usize;
                 let [a, b] = source.columns.map(|at| at as usize);
@@ -323,10 +364,10 @@ impl Fronts<'_> {
             }
         }
         for row in self.held.among(self.structure, s) {
-            let own = columns.len().min(row);
-            (0..own).for_each(|column| block[column * height + row] = 0.0);
-            if row < columns.len() {
-                let column = &mut block[row * height..][..height];
+            let own = part.start..part.end.min(row.max(part.start));
+            own.for_each(|column| block[(column - part.start) * height + row] = 0.0);
+            if part.contains(&row) {
+                let column = &mut block[(row - part.start) * height..][..height];
                 column[row..].fill(0.0);
                 column[row] = self.held.diagonal;
             }

@@ -3,6 +3,22 @@
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
+/// Some columns of a front, from a row on.
+pub struct Part<'a> {
+    pub values: &'a mut [f64],
+    pub columns: Range<usize>,
+    pub first_row: usize,
+    /// Rows from there on.
+    pub height: usize,
+}
+
+/// Which entries of a child's update count.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Entries {
+    All,
+    Lower,
+}
+
 /// Rows of a child that are next to each other in its parent.
 pub struct Runs {
     /// Row of the child, row of the parent's front, length; ascending.
@@ -10,6 +26,7 @@ pub struct Runs {
     rows: usize,
     /// Columns of the parent.
     width: usize,
+    /// Nothing but the lower triangle of the update is stored.
     packed: bool,
 }
 
@@ -46,71 +63,33 @@ impl Runs {
         self.runs.iter().flat_map(places)
     }
 
-    /// Adds the part of a lower triangle that falls into the parent's columns.
-    pub fn add_columns(&self, update: &[f64], block: &mut [f64], height: usize) {
-        self.add(update, block, height, 0..self.width, true);
-    }
-
-    /// Adds the part of a lower triangle that the parent passes on.
-    pub fn add_rest(&self, update: &[f64], passed: &mut [f64], rows: usize) {
-        self.add(update, passed, rows, self.width..usize::MAX, true);
-    }
-
-    /// As [`Runs::add_columns`], all rows.
-    pub fn add_full_columns(&self, update: &[f64], block: &mut [f64], height: usize) {
-        self.add(update, block, height, 0..self.width, false);
-    }
-
-    /// As [`Runs::add_rest`], all rows.
-    pub fn add_full_rest(&self, update: &[f64], passed: &mut [f64], rows: usize) {
-        self.add(update, passed, rows, self.width..usize::MAX, false);
-    }
-
-    fn add(
-        &self,
-        update: &[f64],
-        front: &mut [f64],
-        height: usize,
-        columns: Range<usize>,
-        lower: bool,
-    ) {
-        Added {
-            runs: &self.runs,
+    /// Adds what falls into a part of the parent's front, which begins at its first row or at the first that it
+    /// passes on; of the update column by column.
+    pub fn add(&self, update: &[f64], part: Part, entries: Entries) {
+        Arch::new().dispatch(Added {
+            runs: self,
             update,
-            rows: self.rows,
-            front,
-            height,
-            first: columns.start,
-            end: columns.end,
-            lower,
-            packed: self.packed,
-        }
-        .add();
+            part,
+            entries,
+        });
+    }
+
+    /// A column of the update, from its first row on, stored or not.
+    #[inline(always)]
+    fn column<'u>(&self, update: &'u [f64], column: usize) -> &'u [f64] {
+        let missing = match self.packed {
+            true => column * (column + 1) / 2,
+            false => 0,
+        };
+        &update[column * self.rows - missing..][..self.rows]
     }
 }
 
-/// Adds rows of an update that are next to each other to where they are next to each other in a front.
 struct Added<'a> {
-    /// Row in the update, row in the front, length; ascending.
-    pub runs: &'a [[usize; 3]],
-    /// Column by column.
-    pub update: &'a [f64],
-    pub rows: usize,
-    /// Columns of the front from `first` on, its rows from `first` on.
-    pub front: &'a mut [f64],
-    pub height: usize,
-    pub first: usize,
-    pub end: usize,
-    /// The lower triangle only.
-    pub lower: bool,
-    /// Nothing else is stored of the update.
-    pub packed: bool,
-}
-
-impl Added<'_> {
-    pub fn add(self) {
-        Arch::new().dispatch(self);
-    }
+    runs: &'a Runs,
+    update: &'a [f64],
+    part: Part<'a>,
+    entries: Entries,
 }
 
 impl WithSimd for Added<'_> {
@@ -118,31 +97,32 @@ impl WithSimd for Added<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let (first, height) = (self.first, self.height);
-        for (k, &[row, place, length]) in self.runs.iter().enumerate() {
-            if place < first || place >= self.end {
-                continue;
-            }
-            for j in 0..length {
-                let column = row + j;
-                let missing = if self.packed {
-                    column * (column + 1) / 2
-                } else {
-                    0
-                };
-                let from = &self.update[column * self.rows - missing..][..self.rows];
-                let to = &mut self.front[(place - first + j) * height..][..height];
-                let runs = if self.lower {
-                    let own = &from[row + j..row + length];
-                    add(&mut to[place - first + j..], own);
-                    &self.runs[k + 1..]
-                } else {
-                    self.runs
-                };
-                for &[row, place, length] in runs {
-                    if place >= first {
-                        add(&mut to[place - first..], &from[row..row + length]);
+        let Added {
+            runs,
+            update,
+            part,
+            entries,
+        } = self;
+        let (begin, end) = (part.columns.start, part.columns.end);
+        let all = &runs.runs;
+        let first = all.partition_point(|&[_, place, length]| place + length <= begin);
+        let reached = all[first..].partition_point(|&[_, place, _]| place < end);
+        let below = all.partition_point(|&[_, place, _]| place < part.first_row);
+        for k in first..first + reached {
+            let [row, place, length] = all[k];
+            for j in begin.saturating_sub(place)..length.min(end - place) {
+                let from = runs.column(update, row + j);
+                let to = &mut part.values[(place + j - begin) * part.height..][..part.height];
+                let rest = match entries {
+                    Entries::All => &all[below..],
+                    Entries::Lower => {
+                        let own = &from[row + j..row + length];
+                        add(&mut to[place + j - part.first_row..], own);
+                        &all[k + 1..]
                     }
+                };
+                for &[row, place, length] in rest {
+                    add(&mut to[place - part.first_row..], &from[row..row + length]);
                 }
             }
         }

@@ -19,7 +19,7 @@ use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
 /// Columns of a panel and of a tile, and rows of a tile: pieces that stay in the cache of a processor.
-const PANEL: usize = 64;
+pub const PANEL: usize = 64;
 const ROWS: usize = 256;
 
 /// Memory that [`cholesky`] works in, for so many columns.
@@ -43,7 +43,9 @@ pub fn cholesky(mut front: MatMut<f64>, memory: &mut MemStack) -> Result<(), usi
             .map_err(|LltError::NonPositivePivot { index }| first + index)?;
         solve_rows(own.as_ref(), below.as_mut());
         let (_, right) = right.split_at_row_mut(columns);
-        subtract_square(right, below.as_ref(), Accum::Add);
+        let (below, right) = (below.as_ref(), right.par_col_chunks_mut(PANEL));
+        let columns = right.enumerate();
+        columns.for_each(|(k, c)| subtract_square(c, k * PANEL, below, Accum::Add));
     }
     Ok(())
 }
@@ -60,40 +62,28 @@ pub fn solve_unit_rows(l: MatRef<f64>, b: MatMut<f64>) {
     rows.for_each(|b| solve_unit_lower_triangular_in_place(l, b.transpose_mut(), Par::Seq));
 }
 
-/// The lower triangle of C − A Aᵀ, or of −A Aᵀ, in the first columns of it.
-pub fn subtract_square(c: MatMut<f64>, a: MatRef<f64>, accum: Accum) {
-    let columns = c.par_col_chunks_mut(PANEL).enumerate();
-    columns.for_each(|(k, c)| {
-        let first = k * PANEL;
-        let (_, c) = c.split_at_row_mut(first);
-        let a = a.subrows(first, a.nrows() - first);
-        let (own, below) = a.split_at_row(c.ncols());
-        let (diagonal, c) = c.split_at_row_mut(own.nrows());
-        triangular::matmul(
-            diagonal,
-            BlockStructure::TriangularLower,
-            accum,
-            own,
-            BlockStructure::Rectangular,
-            own.transpose(),
-            BlockStructure::Rectangular,
-            -1.0,
-            Par::Seq,
-        );
-        subtract_column(c, below, own.transpose(), accum);
-    });
+/// The lower triangle of C − A Aᵀ, or of −A Aᵀ, in the columns of it from `first` on.
+pub fn subtract_square(c: MatMut<f64>, first: usize, a: MatRef<f64>, accum: Accum) {
+    let (_, c) = c.split_at_row_mut(first);
+    let a = a.subrows(first, a.nrows() - first);
+    let (own, below) = a.split_at_row(c.ncols());
+    let (diagonal, c) = c.split_at_row_mut(own.nrows());
+    triangular::matmul(
+        diagonal,
+        BlockStructure::TriangularLower,
+        accum,
+        own,
+        BlockStructure::Rectangular,
+        own.transpose(),
+        BlockStructure::Rectangular,
+        -1.0,
+        Par::Seq,
+    );
+    subtract_product(c, below, own.transpose(), accum);
 }
 
 /// C − A B, or −A B.
 pub fn subtract_product(c: MatMut<f64>, a: MatRef<f64>, b: MatRef<f64>, accum: Accum) {
-    let columns = c.par_col_chunks_mut(PANEL).enumerate();
-    columns.for_each(|(k, c)| {
-        let b = b.subcols(k * PANEL, c.ncols());
-        subtract_column(c, a, b, accum);
-    });
-}
-
-fn subtract_column(c: MatMut<f64>, a: MatRef<f64>, b: MatRef<f64>, accum: Accum) {
     let tiles = c.par_row_chunks_mut(ROWS).enumerate();
     tiles.for_each(|(k, c)| {
         let a = a.subrows(k * ROWS, c.nrows());
@@ -136,7 +126,7 @@ pub fn lu(mut matrix: MatMut<f64>, memory: &mut MemStack) -> Vec<u32> {
             permute(right.as_mut(), &moved);
             let (mut top, rest) = right.split_at_row_mut(columns);
             solve_unit_lower_triangular_in_place(own, top.as_mut(), Par::Seq);
-            subtract_column(rest, below, top.as_ref(), Accum::Add);
+            subtract_product(rest, below, top.as_ref(), Accum::Add);
         });
     }
     order
@@ -179,7 +169,9 @@ mod tests {
         let mut memory = MemBuffer::new(cholesky_scratch(width));
         cholesky(front.as_mut(), MemStack::new(&mut memory)).expect("it is positive");
         let mut passed = Mat::from_fn(rows, rows, |i, j| strong(width + i, width + j));
-        subtract_square(passed.as_mut(), front.subrows(width, rows), Accum::Add);
+        let columns = passed.par_col_chunks_mut(PANEL).enumerate();
+        let below = front.subrows(width, rows);
+        columns.for_each(|(k, c)| subtract_square(c, k * PANEL, below, Accum::Add));
         for j in 0..height {
             for i in j..height {
                 let common = 0..width.min(j + 1);

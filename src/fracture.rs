@@ -4,6 +4,7 @@
 //! serves until the next bond breaks: u(λ) = λ u_1.
 
 mod active_zone;
+mod compliance;
 pub mod control;
 mod corridor;
 mod dense;

@@ -144,6 +144,7 @@ pub fn look_ahead(
             _ => break,
         }
     }
+    scout.ahead.gone.stop();
     (scout.ahead.count() > 0).then_some(scout.ahead)
 }
 
@@ -293,6 +294,7 @@ impl Scout<'_> {
             let cost = start.flops + costs.end(zone.dofs.len(), gone);
             let is_whole = count == crossing.moments.len();
             self.accept(crossing, count, first);
+            self.ahead.gone.leave(start);
             self.ahead.residual = nan_max(self.ahead.residual, end.residual());
             let next = match is_whole && !goes_on {
                 true => None,

@@ -11,6 +11,7 @@
 //! for an S of any rank. u' is exact again wherever it is taken: what a zone leaves of rounding does not
 //! enter the next one.
 
+use super::compliance::Compliance;
 use super::control::Problem;
 use super::dense::Lu;
 use super::lost::{self, Spring};
@@ -45,14 +46,15 @@ pub struct Gone {
     compliance: Mat<f64>,
     /// I − A_TT S of all springs, once asked for.
     whole: OnceLock<Option<Lu>>,
+    /// Of the last zone.
+    before: Option<Compliance>,
 }
 
 /// A zone when it begins.
 pub struct Start {
-    /// L⁻¹ E_z.
-    loads: UnitLoads,
-    /// A_zz and A_Tz of the factorised K, and M A_Tz.
-    own: Mat<f64>,
+    /// A_zz of the factorised K.
+    compliance: Compliance,
+    /// A_Tz of the factorised K, and M A_Tz.
     between: Mat<f64>,
     moved: Mat<f64>,
     /// M u_T of each case [N].
@@ -71,6 +73,7 @@ impl Default for Gone {
             loads: UnitLoads::default(),
             compliance: Mat::new(),
             whole: OnceLock::new(),
+            before: None,
         }
     }
 }
@@ -82,20 +85,24 @@ impl Gone {
     }
 
     /// `None` where what is left is a mechanism, or the factor not Cholesky's.
-    pub fn start(&self, factorised: &Factorised, zone: &Zone, base: &Solutions) -> Option<Start> {
-        let loads = factorised.unit_loads(&zone.dofs)?;
-        let own = loads.square();
+    pub fn start(
+        &mut self,
+        factorised: &Factorised,
+        zone: &Zone,
+        base: &Solutions,
+    ) -> Option<Start> {
+        let compliance = Compliance::new(factorised, &zone.dofs, self.before.take())?;
         let [touched, n] = [self.dofs.len(), zone.dofs.len()];
         let mut start = Start {
-            flops: loads.flops + flops(n as f64, touched as f64, loads.rows() as f64),
-            own,
+            flops: compliance.flops
+                + flops(n as f64, touched as f64, compliance.loads.rows() as f64),
             between: Mat::zeros(touched, n),
             moved: Mat::zeros(touched, n),
             forces: [Vec::new(), Vec::new()],
-            loads,
+            compliance,
         };
         if touched > 0 {
-            start.between = self.loads.product(&start.loads);
+            start.between = self.loads.product(&start.compliance.loads);
             let system = self.whole()?;
             start.moved = start.between.clone();
             self.take(system, start.moved.as_mut(), self.springs.len());
@@ -175,7 +182,7 @@ impl Gone {
                 acting: None,
             });
         }
-        self.loads.append(&start.loads, &new);
+        self.loads.append(&start.compliance.loads, &new);
         let size = self.dofs.len();
         let Gone { compliance, .. } = self;
         compliance.resize_with(size, size, |_, _| 0.0);
@@ -186,9 +193,19 @@ impl Gone {
                 compliance[(known + j, i)] = a;
             }
             for (i, &other) in new.iter().enumerate() {
-                compliance[(known + i, known + j)] = start.own[(other, place)];
+                compliance[(known + i, known + j)] = start.compliance.own[(other, place)];
             }
         }
+    }
+
+    /// Leaves a zone: the next one may share dofs with it.
+    pub fn leave(&mut self, start: Start) {
+        self.before = Some(start.compliance);
+    }
+
+    /// There is no next zone.
+    pub fn stop(&mut self) {
+        self.before = None;
     }
 
     /// Takes back all but the first `count` springs.
@@ -250,7 +267,7 @@ impl Gone {
 impl Start {
     /// A'_zz.
     pub fn compliance(&self) -> Mat<f64> {
-        let mut compliance = self.own.clone();
+        let mut compliance = self.compliance.own.clone();
         compliance
             .par_col_chunks_mut(BLOCK)
             .enumerate()
@@ -296,8 +313,8 @@ impl Start {
     }
 }
 
-/// Multiplications and additions for a zone of `n` dofs with `p` rows of X, when `t` are touched: XᵀX, X_TᵀX,
+/// Multiplications and additions for a zone of `n` dofs with `p` rows of X, when `t` are touched: X_TᵀX,
 /// I − A_TT S factorised and applied, A'.
 fn flops(n: f64, t: f64, p: f64) -> f64 {
-    n * n * p + 2.0 * t * n * p + 2.0 / 3.0 * t * t * t + 2.0 * t * t * n + 2.0 * n * n * t
+    2.0 * t * n * p + 2.0 / 3.0 * t * t * t + 2.0 * t * t * n + 2.0 * n * n * t
 }

@@ -71,6 +71,11 @@ impl UnitLoads {
         self.len == 0
     }
 
+    /// Parts of X that go up the tree together.
+    pub fn blocks(&self) -> usize {
+        self.blocks.len()
+    }
+
     /// Rows of X, at most.
     pub fn rows(&self) -> usize {
         let rows = self.blocks.iter().map(|block| block.x.nrows());
@@ -120,16 +125,20 @@ impl UnitLoads {
 
     /// Takes the loads at some places, in this order, to its own, at the end.
     pub fn append(&mut self, other: &UnitLoads, places: &[usize]) {
-        let mut target = vec![usize::MAX; other.len];
-        for (k, &place) in places.iter().enumerate() {
-            target[place] = self.len + k;
+        let mut target = vec![None; other.len];
+        for (k, &place) in (self.len..).zip(places) {
+            target[place] = Some(k);
         }
-        self.len += places.len();
+        self.take(other, &target);
+    }
+
+    /// Takes loads of others, each to the place that is told for it.
+    pub fn take(&mut self, other: &UnitLoads, target: &[Option<usize>]) {
+        self.len += target.iter().flatten().count();
         for block in &other.blocks {
             let members = block.members.iter().enumerate();
             let kept: Vec<(usize, usize)> = members
-                .map(|(k, &place)| (k, target[place]))
-                .filter(|&(_, target)| target != usize::MAX)
+                .filter_map(|(k, &place)| Some((k, target[place]?)))
                 .collect();
             if !kept.is_empty() {
                 self.blocks.push(block.select(&kept));

@@ -16,7 +16,8 @@
 //! and the next zone begins on the same factor (`gone.rs`), as long as that is cheaper than to factorise
 //! again ([`Costs`]).
 //!
-//! What is not seen is looked at afterwards. Bonds next to the zone must have stayed under [`MARGIN`] of
+//! What is not seen is looked at afterwards. u on the zone must have come to the solution at its end;
+//! any state on the way is found from it by one solution. Bonds next to the zone must have stayed under [`MARGIN`] of
 //! their limits with the responses at [`LOOKS`] moments and under the loads of all events around each; those
 //! farther away with the responses at both ends and under all loads between. Between two looks a bond
 //! outside is not followed. Events behind a look that fails are dropped. A zone that cannot tell even its
@@ -27,7 +28,7 @@ use super::corridor;
 use super::event::{Bounds, Event, Load, is_at_limit};
 use super::failure::CriticalStretch;
 use super::functional::{Values, fields};
-use super::gone::{Gone, Start};
+use super::gone::{Earlier, Gone};
 use super::response::{Solutions, nan_max};
 use super::state::State;
 use super::zone::{Front, Zone};
@@ -47,6 +48,10 @@ const LOOKS: usize = 4;
 /// The largest relative residual that the updates may leave.
 const DRIFT: f64 = 1e-11;
 
+/// By how much u on a zone may differ at its end from the solution there, over the largest: load factors are to be
+/// right to 1e-9. Updates leave some 1e-14.
+const AGREEMENT: f64 = 1e-10;
+
 /// One event to come.
 pub struct Moment {
     pub values: Values,
@@ -64,18 +69,25 @@ pub struct Moment {
 pub struct Ahead {
     factorised: Factorised,
     gone: Gone,
-    moments: Vec<Moment>,
+    zones: Vec<Crossing>,
     /// The largest relative residual between zones.
     pub residual: f64,
 }
 
 impl Ahead {
     pub fn count(&self) -> usize {
-        self.moments.len()
+        self.zones.last().map_or(0, Crossing::end)
     }
 
     pub fn moment(&self, k: usize) -> &Moment {
-        &self.moments[k]
+        let zone = self.zone(k);
+        &zone.moments[k - zone.first]
+    }
+
+    /// The zone of a moment.
+    fn zone(&self, moment: usize) -> &Crossing {
+        let next = self.zones.partition_point(|zone| zone.first <= moment);
+        &self.zones[next - 1]
     }
 
     /// Stretches of a spring that breaks in an event or broke in the one before, under what is held and per
@@ -85,12 +97,12 @@ impl Ahead {
             let place = m.bonds.binary_search(&spring).ok()?;
             Some(of(m)[place])
         };
-        let before = moment.checked_sub(1).map(|k| &self.moments[k]);
-        find(&self.moments[moment], |m| &m.before)
+        let before = moment.checked_sub(1).map(|k| self.moment(k));
+        find(self.moment(moment), |m| &m.before)
             .or_else(|| before.and_then(|m| find(m, |m| &m.after)))
     }
 
-    /// u_held and u_unit everywhere.
+    /// u_held and u_unit everywhere, at a moment that is not the first.
     pub fn solutions(
         &self,
         problem: &Problem,
@@ -98,11 +110,17 @@ impl Ahead {
         base: &Solutions,
         moment: usize,
     ) -> Solutions {
-        let gone = self.moments[moment].gone;
-        let found = self
-            .gone
-            .solutions(problem, phase, &self.factorised, base, gone);
-        found.expect("all moments are held")
+        let zone = self.zone(moment - 1);
+        let (events, factorised) = (moment - zone.first, &self.factorised);
+        let forces = |case| {
+            let mut forces = vec![0.0; factorised.dofs()];
+            zone.add_forces(&self.gone, events, case, &mut forces);
+            forces
+        };
+        let held = base.held.as_ref().map(|_| forces(0));
+        let forces = [held.unwrap_or_default(), forces(1)];
+        let gone = self.moment(moment).gone;
+        (self.gone).respond(problem, phase, factorised, base, forces, gone)
     }
 }
 
@@ -128,7 +146,7 @@ pub fn look_ahead(
         ahead: Ahead {
             factorised,
             gone: Gone::default(),
-            moments: Vec::new(),
+            zones: Vec::new(),
             residual: 0.0,
         },
     };
@@ -231,10 +249,12 @@ struct Scout<'a> {
     ahead: Ahead,
 }
 
-/// A zone while it lasts.
-struct Crossing<'a> {
-    zone: &'a Zone,
-    start: &'a Start,
+/// A zone, and what happens there.
+struct Crossing {
+    zone: Zone,
+    earlier: Earlier,
+    /// How many events come before it.
+    first: usize,
     moments: Vec<Moment>,
     /// u_held and u_unit on the zone behind each event.
     ends: Vec<[Vec<f64>; 2]>,
@@ -253,15 +273,22 @@ impl Scout<'_> {
         let problem = self.problem;
         let nodes = corridor::nodes(problem, &self.intact, &solutions, load, costs.dofs / 2);
         let zone = Zone::new(problem, &self.intact, &nodes);
-        let start = (self.ahead.gone).start(&self.ahead.factorised, &zone, self.base)?;
+        let (start, earlier) = (self.ahead.gone).start(&self.ahead.factorised, &zone, self.base)?;
         let on_zone = self.fields.iter();
         let on_zone = on_zone
-            .map(|v| start.field(&self.ahead.gone, &zone, v))
+            .map(|v| earlier.field(&self.ahead.gone, &zone, v))
             .collect();
-        let mut front = Front::new(&zone, start.compliance(), &solutions, on_zone, values);
+        let mut front = Front::new(
+            &zone,
+            start.compliance(&earlier),
+            &solutions,
+            on_zone,
+            values,
+        );
         let mut crossing = Crossing {
-            zone: &zone,
-            start: &start,
+            zone,
+            earlier,
+            first: self.ahead.count(),
             moments: Vec::new(),
             ends: Vec::new(),
             order: Vec::new(),
@@ -275,26 +302,23 @@ impl Scout<'_> {
                 continue;
             }
             let gone = crossing.gone(count);
-            self.ahead
-                .gone
-                .lose(problem, &zone, &start, &crossing.order[..gone]);
-            let found = self.ahead.gone.solutions(
-                problem,
-                self.phase,
-                &self.ahead.factorised,
-                self.base,
-                first + gone,
-            );
+            let Ahead {
+                gone: all,
+                factorised,
+                ..
+            } = &mut self.ahead;
+            all.lose(problem, &crossing.zone, &start, &crossing.order[..gone]);
+            let found = all.solutions(problem, self.phase, factorised, self.base);
             let sound = found.filter(|end| self.is_sound(&crossing, [&solutions, end], count));
             let Some(end) = sound else {
                 self.ahead.gone.regain(first);
                 count /= 2;
                 continue;
             };
-            let cost = start.flops + costs.end(zone.dofs.len(), gone);
+            let cost = start.flops + costs.end(crossing.zone.dofs.len(), gone);
             let is_whole = count == crossing.moments.len();
-            self.accept(crossing, count, first);
             self.ahead.gone.leave(start);
+            self.accept(crossing, count, first);
             self.ahead.residual = nan_max(self.ahead.residual, end.residual());
             let next = match is_whole && !goes_on {
                 true => None,
@@ -307,7 +331,7 @@ impl Scout<'_> {
 
     /// Takes events until the zone is used up; whether others may follow from the same factor.
     fn explore(&self, crossing: &mut Crossing, front: &mut Front, first: Load) -> bool {
-        let zone = crossing.zone;
+        let zone = &crossing.zone;
         let end = self.problem.programme.phases[self.phase].end;
         let mut last = self.load;
         let mut rim = RIM;
@@ -399,13 +423,7 @@ impl Scout<'_> {
             .iter()
             .flat_map(|&n| cases.iter().map(move |&c| (n, c)));
         for ((count, case), all) in pairs.zip(forces.chunks_exact_mut(dofs)) {
-            let u = &crossing.ends[count - 1][case];
-            let gone = &crossing.order[..crossing.gone(count)];
-            let own = crossing.zone.forces(gone, u);
-            let gone = &self.ahead.gone;
-            crossing
-                .start
-                .add_forces(gone, crossing.zone, case, &own, all);
+            crossing.add_forces(&self.ahead.gone, count, case, all);
         }
         if !forces.is_empty() {
             let (nodes, count) = (&crossing.zone.ring_nodes, cases.len() * counts.len());
@@ -442,7 +460,9 @@ impl Scout<'_> {
         let outside = all.filter(|&spring| is_outside[spring]);
         // False for what is not a number.
         let is_exact = ends[1].residual() <= DRIFT;
-        is_exact && self.utilisation(outside, &ends, &loads) < MARGIN
+        is_exact
+            && crossing.leads_to(ends[1], count)
+            && self.utilisation(outside, &ends, &loads) < MARGIN
     }
 
     /// A bound of the largest stretch over its limit of some springs with any of the responses and under any of
@@ -480,14 +500,15 @@ impl Scout<'_> {
         springs.map(largest).reduce(|| 0.0, nan_max)
     }
 
-    fn accept(&mut self, crossing: Crossing, count: usize, first: usize) {
-        let Ahead { gone, moments, .. } = &mut self.ahead;
-        for &spring in &gone.order[first..] {
+    fn accept(&mut self, mut crossing: Crossing, count: usize, first: usize) {
+        for &spring in &self.ahead.gone.order[first..] {
             self.intact[spring] = false;
         }
-        moments.extend(crossing.moments.into_iter().take(count));
+        crossing.moments.truncate(count);
+        crossing.ends.truncate(count);
         self.left -= count;
-        self.load = moments.last().expect("an event").load;
+        self.load = crossing.moments.last().expect("an event").load;
+        self.ahead.zones.push(crossing);
     }
 
     /// Where the next zone begins, if a bond breaks next.
@@ -518,7 +539,37 @@ impl Scout<'_> {
     }
 }
 
-impl Crossing<'_> {
+impl Crossing {
+    /// How many events there are up to its end.
+    fn end(&self) -> usize {
+        self.first + self.moments.len()
+    }
+
+    /// Adds to the forces at all dofs those of all springs that are gone behind `count` events here [N].
+    fn add_forces(&self, gone: &Gone, count: usize, case: usize, all: &mut [f64]) {
+        let u = &self.ends[count - 1][case];
+        let own = self.zone.forces(&self.order[..self.gone(count)], u);
+        self.earlier.add_forces(gone, &self.zone, case, &own, all);
+    }
+
+    /// Whether u on the zone behind `count` events is that of a solution.
+    fn leads_to(&self, end: &Solutions, count: usize) -> bool {
+        let cases = [end.held.as_ref(), Some(&end.unit)];
+        let mut pairs = self.ends[count - 1].iter().zip(cases);
+        pairs.all(|(u, solution)| {
+            let Some(solution) = solution else {
+                return true;
+            };
+            let (mut largest, mut differ) = (0.0, 0.0);
+            for (u, &dof) in u.iter().zip(&self.zone.dofs) {
+                let exact = solution.displacement[dof / 2][dof % 2];
+                largest = nan_max(largest, exact.abs());
+                differ = nan_max(differ, (u - exact).abs());
+            }
+            differ <= AGREEMENT * largest
+        })
+    }
+
     /// How many springs of the zone have gone behind `count` events.
     fn gone(&self, count: usize) -> usize {
         self.moments[..count].iter().map(|m| m.bonds.len()).sum()

@@ -52,15 +52,19 @@ pub struct Gone {
 
 /// A zone when it begins.
 pub struct Start {
-    /// A_zz of the factorised K.
+    /// A_zz and A_Tz of the factorised K.
     compliance: Compliance,
-    /// A_Tz of the factorised K, and M A_Tz.
     between: Mat<f64>,
-    moved: Mat<f64>,
-    /// M u_T of each case [N].
-    forces: [Vec<f64>; 2],
     /// Multiplications and additions that it took.
     pub flops: f64,
+}
+
+/// How springs that were gone before a zone answer what happens there.
+pub struct Earlier {
+    /// M A_Tz.
+    moved: Mat<f64>,
+    /// M u_T of each case when the zone began [N].
+    forces: [Vec<f64>; 2],
 }
 
 impl Default for Gone {
@@ -90,49 +94,48 @@ impl Gone {
         factorised: &Factorised,
         zone: &Zone,
         base: &Solutions,
-    ) -> Option<Start> {
+    ) -> Option<(Start, Earlier)> {
         let compliance = Compliance::new(factorised, &zone.dofs, self.before.take())?;
         let [touched, n] = [self.dofs.len(), zone.dofs.len()];
         let mut start = Start {
             flops: compliance.flops
                 + flops(n as f64, touched as f64, compliance.loads.rows() as f64),
             between: Mat::zeros(touched, n),
+            compliance,
+        };
+        let mut earlier = Earlier {
             moved: Mat::zeros(touched, n),
             forces: [Vec::new(), Vec::new()],
-            compliance,
         };
         if touched > 0 {
             start.between = self.loads.product(&start.compliance.loads);
             let system = self.whole()?;
-            start.moved = start.between.clone();
-            self.take(system, start.moved.as_mut(), self.springs.len());
-            start.forces = self.forces(system, base, self.springs.len());
+            earlier.moved.copy_from(&start.between);
+            self.take(system, earlier.moved.as_mut());
+            earlier.forces = self.forces(system, base);
         }
-        Some(start)
+        Some((start, earlier))
     }
 
     /// I − A_TT S of all springs, factorised.
     fn whole(&self) -> Option<&Lu> {
-        let system = || self.system(self.dofs.len(), self.springs.len());
+        let system = || {
+            let touched = self.dofs.len();
+            let mut system = Mat::<f64>::identity(touched, touched);
+            lost::subtract(system.as_mut(), self.compliance.as_ref(), &self.springs);
+            Lu::new(system, LEAST_PIVOT).ok()
+        };
         self.whole.get_or_init(system).as_ref()
     }
 
-    /// I − A_TT S of the first springs, factorised.
-    fn system(&self, touched: usize, springs: usize) -> Option<Lu> {
-        let mut system = Mat::<f64>::identity(touched, touched);
-        let compliance = self.compliance.subrows(0, touched);
-        lost::subtract(system.as_mut(), compliance, &self.springs[..springs]);
-        Lu::new(system, LEAST_PIVOT).ok()
-    }
-
     /// Overwrites columns c on T by M c.
-    fn take(&self, system: &Lu, columns: MatMut<f64>, springs: usize) {
+    fn take(&self, system: &Lu, columns: MatMut<f64>) {
         columns.par_col_chunks_mut(BLOCK).for_each(|mut block| {
             system.solve_many_in_place(block.as_mut());
             for mut column in block.col_iter_mut() {
                 let z: Vec<f64> = column.as_ref().iter().copied().collect();
                 column.fill(0.0);
-                for spring in &self.springs[..springs] {
+                for spring in &self.springs {
                     let elongation: f64 = spring.terms.iter().map(|&(p, w)| w * z[p]).sum();
                     for &(place, w) in &spring.terms {
                         column[place] += spring.stiffness * elongation * w;
@@ -142,14 +145,14 @@ impl Gone {
         });
     }
 
-    /// M u_T of each case: the forces of the first springs that are gone [N].
-    fn forces(&self, system: &Lu, base: &Solutions, springs: usize) -> [Vec<f64>; 2] {
+    /// M u_T of each case: the forces of the springs that are gone [N].
+    fn forces(&self, system: &Lu, base: &Solutions) -> [Vec<f64>; 2] {
         let of = |u: Option<&Solution>| -> Vec<f64> {
             let Some(u) = u else { return Vec::new() };
             let touched = system.size();
             let on_dof = |i: usize| u.displacement[self.dofs[i] / 2][self.dofs[i] % 2];
             let mut forces = Mat::from_fn(touched, 1, |i, _| on_dof(i));
-            self.take(system, forces.as_mut(), springs);
+            self.take(system, forces.as_mut());
             forces.col(0).iter().copied().collect()
         };
         [of(base.held.as_ref()), of(Some(&base.unit))]
@@ -222,63 +225,64 @@ impl Gone {
         self.compliance.truncate(touched, touched);
     }
 
-    /// u_held and u_unit everywhere when the first `count` springs are gone, from those when K was
-    /// factorised; `None` for a mechanism.
+    /// u_held and u_unit everywhere, from those when K was factorised; `None` for a mechanism.
     pub fn solutions(
         &self,
         problem: &Problem,
         phase: usize,
         factorised: &Factorised,
         base: &Solutions,
-        count: usize,
     ) -> Option<Solutions> {
-        let springs = self.springs[..count].iter();
-        let touched = springs.flat_map(|s| &s.terms).map(|&(p, _)| p + 1).max();
-        let Some(touched) = touched else {
-            return Some(base.clone());
-        };
-        let part;
-        let system = if count == self.springs.len() {
-            self.whole()?
-        } else {
-            part = self.system(touched, count)?;
-            &part
-        };
-        let forces = self.forces(system, base, count);
+        let forces = self.forces(self.whole()?, base).map(|on_touched| {
+            let mut forces = vec![0.0; factorised.dofs()];
+            let pairs = self.dofs.iter().zip(on_touched);
+            pairs.for_each(|(&dof, force)| forces[dof] = force);
+            forces
+        });
+        Some(self.respond(problem, phase, factorised, base, forces, self.order.len()))
+    }
+
+    /// The same where the first `count` springs exert these forces of each case at all dofs [N].
+    pub fn respond(
+        &self,
+        problem: &Problem,
+        phase: usize,
+        factorised: &Factorised,
+        base: &Solutions,
+        [held, unit]: [Vec<f64>; 2],
+        count: usize,
+    ) -> Solutions {
         let (model, programme) = (problem.model, problem.programme);
-        let after = |forces: &[f64], case: &Boundary, before: &Solution| {
-            let mut change = vec![0.0; factorised.dofs()];
-            for (&dof, force) in self.dofs.iter().zip(forces) {
-                change[dof] = *force;
-            }
+        let after = |mut change: Vec<f64>, case: &Boundary, before: &Solution| {
             factorised.respond(&mut change, 1);
             let case = (case, factorised.scale(case));
             factorised.without(model, case, before, &change, &self.order[..count])
         };
-        let unit = &programme.phases[phase].boundary;
-        let held = (base.held.as_ref()).zip(programme.held(phase));
-        Some(Solutions {
-            unit: after(&forces[1], unit, &base.unit),
-            held: held.map(|(u, case)| after(&forces[0], &case, u)),
-        })
+        let before = (base.held.as_ref()).zip(programme.held(phase));
+        Solutions {
+            unit: after(unit, &programme.phases[phase].boundary, &base.unit),
+            held: before.map(|(u, case)| after(held, &case, u)),
+        }
     }
 }
 
 impl Start {
     /// A'_zz.
-    pub fn compliance(&self) -> Mat<f64> {
+    pub fn compliance(&self, earlier: &Earlier) -> Mat<f64> {
         let mut compliance = self.compliance.own.clone();
         compliance
             .par_col_chunks_mut(BLOCK)
             .enumerate()
             .for_each(|(k, block)| {
-                let moved = self.moved.subcols(BLOCK * k, block.ncols());
+                let moved = earlier.moved.subcols(BLOCK * k, block.ncols());
                 let left = self.between.transpose();
                 matmul(block, Accum::Add, left, moved, 1.0, Par::Seq);
             });
         compliance
     }
+}
 
+impl Earlier {
     /// v' on the zone: v there, a response to loads that stay, and what the springs add that are gone.
     pub fn field(&self, gone: &Gone, zone: &Zone, v: &[f64]) -> Vec<f64> {
         let mut own: Vec<f64> = zone.dofs.iter().map(|&d| v[d]).collect();

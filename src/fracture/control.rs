@@ -147,7 +147,7 @@ pub fn run<E: From<StaticsError>>(
     }
     let (supports, method) = (problem.programme.supports(), problem.resolution.method());
     let solver = Solver::with_method(problem.model, supports, method, phases)?;
-    let first = among_the_threads(|| Response::new(&solver, problem, state, phases));
+    let first = phases.among_the_threads(|phases| Response::new(&solver, problem, state, phases));
     let mut response = match first {
         Ok(response) => response,
         // Before the first step it is the problem that has no solution.
@@ -159,7 +159,7 @@ pub fn run<E: From<StaticsError>>(
     while let Some(load) = next_load(problem, state, &response) {
         state.step += 1;
         let mut record = Record::default();
-        let last_broken = among_the_threads(|| {
+        let last_broken = phases.among_the_threads(|phases| {
             loop {
                 state.advance(problem, &response, load);
                 let broken = break_bonds(problem, state, &mut response, load, phases);
@@ -189,18 +189,12 @@ pub fn run<E: From<StaticsError>>(
         let is_stale = last_broken > 0 || is_new_phase;
         if is_stale
             && let Err(error) =
-                among_the_threads(|| response.renew(&solver, problem, state, phases))
+                phases.among_the_threads(|phases| response.renew(&solver, problem, state, phases))
         {
             return Ok(state.stop(&error));
         }
     }
     Ok(Ending::NothingLeftToBreak)
-}
-
-/// Runs on one of the threads that share out its work: to wake them from outside, and be woken, takes as long as
-/// many a piece of it.
-fn among_the_threads<R: Send>(work: impl FnOnce() -> R + Send) -> R {
-    rayon::scope(|_| work())
 }
 
 /// Whether bonds that broke call for another solve at the same load.

@@ -19,8 +19,6 @@ pub struct Phase {
 pub struct Phases {
     pub list: Vec<Phase>,
     trace: Trace,
-    /// Whose they are, if not of the thread that works.
-    thread: Option<usize>,
 }
 
 impl Phases {
@@ -42,8 +40,8 @@ impl Phases {
     /// No phase yet; each that is measured leaves a span in `trace`.
     pub fn traced(trace: Trace) -> Phases {
         Phases {
+            list: Vec::new(),
             trace,
-            ..Phases::default()
         }
     }
 
@@ -55,19 +53,10 @@ impl Phases {
         result
     }
 
-    /// Runs `work` on one of the threads that share out parallel work, while this one waits: to wake them from
-    /// outside, and be woken, takes as long as many a piece of it. Its phases are this thread's.
-    pub fn among_the_threads<R: Send>(&mut self, work: impl FnOnce(&mut Phases) -> R + Send) -> R {
-        self.thread = self.trace.thread();
-        let result = rayon::scope(|_| work(self));
-        self.thread = None;
-        result
-    }
-
     /// Records what began at `start` and ends now.
     pub fn note(&mut self, name: &'static str, start: Instant) {
         let time = start.elapsed();
-        (self.trace).record_of(self.thread, Kind::Phase, name, start, time);
+        self.trace.record(Kind::Phase, name, start, time);
         self.add(name, time, 1);
     }
 

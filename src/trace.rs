@@ -84,27 +84,9 @@ impl Trace {
         start: Instant,
         time: Duration,
     ) {
-        self.record_of(None, kind, name, start, time);
-    }
-
-    /// The same of a thread, the current one if none is named.
-    pub fn record_of(
-        &self,
-        thread: Option<usize>,
-        kind: Kind,
-        name: impl Into<Cow<'static, str>>,
-        start: Instant,
-        time: Duration,
-    ) {
         if let Some(recorder) = &self.0 {
-            let thread = thread.unwrap_or_else(|| recorder.thread());
-            recorder.record(thread, kind, name.into(), start, time);
+            recorder.record(kind, name.into(), start, time);
         }
-    }
-
-    /// The current thread, for [`Trace::record_of`].
-    pub fn thread(&self) -> Option<usize> {
-        self.0.as_ref().map(|recorder| recorder.thread())
     }
 
     /// A span that ends when the guard is dropped, however that comes about.
@@ -139,14 +121,8 @@ impl Trace {
 }
 
 impl Recorder {
-    fn record(
-        &self,
-        thread: usize,
-        kind: Kind,
-        name: Cow<'static, str>,
-        start: Instant,
-        time: Duration,
-    ) {
+    fn record(&self, kind: Kind, name: Cow<'static, str>, start: Instant, time: Duration) {
+        let thread = self.thread();
         let step = self.step.load(Ordering::Relaxed).checked_sub(1);
         let span = Span {
             name,
@@ -189,8 +165,7 @@ impl Drop for Guard {
     fn drop(&mut self) {
         if let Some(recorder) = &self.trace.0 {
             let name = std::mem::take(&mut self.name);
-            let (thread, time) = (recorder.thread(), self.start.elapsed());
-            recorder.record(thread, self.kind, name, self.start, time);
+            recorder.record(self.kind, name, self.start, self.start.elapsed());
         }
     }
 }

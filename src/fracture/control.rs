@@ -147,8 +147,7 @@ pub fn run<E: From<StaticsError>>(
     }
     let (supports, method) = (problem.programme.supports(), problem.resolution.method());
     let solver = Solver::with_method(problem.model, supports, method, phases)?;
-    let first = phases.among_the_threads(|phases| Response::new(&solver, problem, state, phases));
-    let mut response = match first {
+    let mut response = match Response::new(&solver, problem, state, phases) {
         Ok(response) => response,
         // Before the first step it is the problem that has no solution.
         Err(error) if state.step == 0 && !matches!(error, StaticsError::Swings { .. }) => {
@@ -159,25 +158,23 @@ pub fn run<E: From<StaticsError>>(
     while let Some(load) = next_load(problem, state, &response) {
         state.step += 1;
         let mut record = Record::default();
-        let last_broken = phases.among_the_threads(|phases| {
-            loop {
-                state.advance(problem, &response, load);
-                let broken = break_bonds(problem, state, &mut response, load, phases);
-                if !response.foresees_next() {
-                    state.settle(problem, &response);
-                }
-                record.broken += broken;
-                record.passes += 1;
-                record.residual = f64::max(record.residual, response.residual());
-                if state.load_lost || broken == 0 || !passes_again(problem.control, record.passes) {
-                    break broken;
-                }
-                if let Err(error) = response.renew(&solver, problem, state, phases) {
-                    state.stop(&error);
-                    break broken;
-                }
+        let last_broken = loop {
+            state.advance(problem, &response, load);
+            let broken = break_bonds(problem, state, &mut response, load, phases);
+            if !response.foresees_next() {
+                state.settle(problem, &response);
             }
-        });
+            record.broken += broken;
+            record.passes += 1;
+            record.residual = f64::max(record.residual, response.residual());
+            if state.load_lost || broken == 0 || !passes_again(problem.control, record.passes) {
+                break broken;
+            }
+            if let Err(error) = response.renew(&solver, problem, state, phases) {
+                state.stop(&error);
+                break broken;
+            }
+        };
         observe(state, record, &response)?;
         let is_new_phase = state.begin_phase_if_due(problem.model, problem.programme);
         if let Some(ending) = ending(problem, state) {
@@ -187,10 +184,7 @@ pub fn run<E: From<StaticsError>>(
             return Ok(ending);
         }
         let is_stale = last_broken > 0 || is_new_phase;
-        if is_stale
-            && let Err(error) =
-                phases.among_the_threads(|phases| response.renew(&solver, problem, state, phases))
-        {
+        if is_stale && let Err(error) = response.renew(&solver, problem, state, phases) {
             return Ok(state.stop(&error));
         }
     }

@@ -32,7 +32,7 @@ pub(super) struct RunArguments {
     dry_run: bool,
     /// Number of threads; the results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    pub(super) threads: Option<u16>,
     /// Factorise anew whenever bonds have broken: slow, to check the fast way against
     #[arg(long)]
     reference_solver: bool,
@@ -76,10 +76,6 @@ impl From<StageName> for Stage {
 pub(super) fn run(arguments: &RunArguments) -> ExitCode {
     if arguments.tied {
         end_with_parent();
-    }
-    if let Some(threads) = arguments.threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
-        pool.build_global().expect("no parallel work has begun yet");
     }
     let options = Options {
         until: arguments.until.into(),

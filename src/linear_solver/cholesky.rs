@@ -16,7 +16,7 @@ use super::triangular::{self, Factors, Wanted};
 use crate::assembly::{Lists, LowerMatrix};
 use faer::dyn_stack::{MemStack, StackReq};
 use faer::sparse::SymbolicSparseColMatRef;
-use faer::{Accum, MatMut, MatRef};
+use faer::{Accum, MatMut};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -271,10 +271,11 @@ impl Front for Fronts<'_> {
                 return Err(NotPositive(first + j));
             }
         }
-        if rows == 0 {
-            return Ok(());
-        }
-        self.pass_up(s, l.as_ref().subrows(width, rows), children, update);
+        let l21 = l.as_ref().subrows(width, rows);
+        let product = |passed: MatMut<f64>, first: usize| {
+            tiles::subtract_square(passed, first, l21, Accum::Replace);
+        };
+        multifrontal::pass_up(children, width, rows, update, Entries::Lower, product);
         Ok(())
     }
 }
@@ -288,35 +289,13 @@ impl Fronts<'_> {
         columns.for_each(|(k, values)| {
             let columns = k * PANEL..width.min((k + 1) * PANEL);
             self.fill(s, columns.clone(), values);
-            for child in children {
-                let part = Part {
-                    values,
-                    columns: columns.clone(),
-                    first_row: 0,
-                    height,
-                };
-                child.runs.add(child.update, part, Entries::Lower);
-            }
-        });
-    }
-
-    /// U, tile by tile: each is in the cache when what children pass up is added.
-    fn pass_up(&self, s: usize, l21: MatRef<f64>, children: &[Child], update: &mut [f64]) {
-        let (width, rows) = (self.structure.width(s), l21.nrows());
-        let columns = update.par_chunks_mut(PANEL * rows).enumerate();
-        columns.for_each(|(k, values)| {
-            let (first, count) = (k * PANEL, values.len() / rows);
-            let passed = MatMut::from_column_major_slice_mut(values, rows, count);
-            tiles::subtract_square(passed, first, l21, Accum::Replace);
-            for child in children {
-                let part = Part {
-                    values,
-                    columns: width + first..width + first + count,
-                    first_row: width,
-                    height: rows,
-                };
-                child.runs.add(child.update, part, Entries::Lower);
-            }
+            let part = Part {
+                values,
+                columns,
+                first_row: 0,
+                height,
+            };
+            multifrontal::add_children(children, part, Entries::Lower);
         });
     }
 

@@ -65,7 +65,7 @@ impl Runs {
 
     /// Adds what falls into a part of the parent's front, which begins at its first row or at the first that it
     /// passes on; of the update column by column.
-    pub fn add(&self, update: &[f64], part: Part, entries: Entries) {
+    pub fn add(&self, update: &[f64], part: &mut Part, entries: Entries) {
         Arch::new().dispatch(Added {
             runs: self,
             update,
@@ -85,14 +85,14 @@ impl Runs {
     }
 }
 
-struct Added<'a> {
+struct Added<'a, 'p> {
     runs: &'a Runs,
     update: &'a [f64],
-    part: Part<'a>,
+    part: &'a mut Part<'p>,
     entries: Entries,
 }
 
-impl WithSimd for Added<'_> {
+impl WithSimd for Added<'_, '_> {
     type Output = ();
 
     #[inline(always)]

@@ -18,14 +18,13 @@ use super::multifrontal::{self, Child, Front, NotPositive, Pool};
 use super::partial_pivoting::{self, MOST_GROWTH, norm, random};
 use super::refactorisation::{self, Kept};
 use super::supernodes::Supernodes;
-use super::tiles::{self, PANEL};
+use super::tiles;
 use super::triangular::{self, Factors, Wanted, pivoted_start};
 use crate::assembly::full::{FullMatrix, mean_diagonal};
 use crate::assembly::stiffness::hold;
 use faer::dyn_stack::{MemStack, StackReq};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::{Accum, MatMut};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// ‖b − K x‖ over ‖K‖ ‖x‖ of the probe, the mean diagonal for ‖K‖. Rounding leaves some 1e-16 times the
@@ -328,14 +327,14 @@ impl Front for Fronts<'_> {
         left.fill(0.0);
         right.fill(0.0);
         self.add_matrix(s, left, right);
+        let part = Part {
+            values: left,
+            columns: 0..width,
+            first_row: 0,
+            height,
+        };
+        multifrontal::add_children(children, part, Entries::All);
         for child in children {
-            let part = Part {
-                values: left,
-                columns: 0..width,
-                first_row: 0,
-                height,
-            };
-            child.runs.add(child.update, part, Entries::All);
             add_rows(child, right, height);
         }
         let l = MatMut::from_column_major_slice_mut(left, height, width);
@@ -365,23 +364,11 @@ impl Front for Fronts<'_> {
         tiles::solve_rows(u11.as_ref(), l21.as_mut());
         tiles::solve_unit_rows(l11.as_ref(), u12.as_mut());
         let (l21, u12) = (l21.as_ref(), u12.as_ref().transpose());
-        let pass = |(k, values): (usize, &mut [f64])| {
-            let (first, count) = (k * PANEL, values.len() / rows);
-            let passed = MatMut::from_column_major_slice_mut(values, rows, count);
-            let u12 = u12.subcols(first, count);
+        let product = |passed: MatMut<f64>, first: usize| {
+            let u12 = u12.subcols(first, passed.ncols());
             tiles::subtract_product(passed, l21, u12, Accum::Replace);
-            for child in children {
-                let part = Part {
-                    values,
-                    columns: width + first..width + first + count,
-                    first_row: width,
-                    height: rows,
-                };
-                child.runs.add(child.update, part, Entries::All);
-            }
         };
-        let columns = update.par_chunks_mut(PANEL * rows).enumerate();
-        columns.for_each(pass);
+        multifrontal::pass_up(children, width, rows, update, Entries::All, product);
         Ok(())
     }
 }

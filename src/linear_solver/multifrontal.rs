@@ -11,8 +11,10 @@
 //! the threads, and blocks are cut in tiles (`tiles.rs`). Both follow from the structure alone, and children
 //! are added in their order: the bits do not depend on the number of threads.
 
-use super::extend_add::Runs;
+use super::extend_add::{Entries, Part, Runs};
 use super::supernodes::Supernodes;
+use super::tiles::PANEL;
+use faer::MatMut;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -56,6 +58,43 @@ pub trait Front: Sync {
 pub struct Child<'a> {
     pub runs: Runs,
     pub update: &'a [f64],
+}
+
+/// Adds what children pass up to a part of their parent's front, in their order.
+pub fn add_children(children: &[Child], mut part: Part, entries: Entries) {
+    for child in children {
+        child.runs.add(child.update, &mut part, entries);
+    }
+}
+
+/// What a front of `width` columns passes up: `product` writes −A21 A11⁻¹ A12 to some of its columns, which begin
+/// at the number given, and is in the cache still when what children pass up is added.
+pub fn pass_up(
+    children: &[Child],
+    width: usize,
+    rows: usize,
+    update: &mut [f64],
+    entries: Entries,
+    product: impl Fn(MatMut<f64>, usize) + Sync,
+) {
+    if rows == 0 {
+        return;
+    }
+    let columns = update.par_chunks_mut(PANEL * rows).enumerate();
+    columns.for_each(|(k, values)| {
+        let (first, count) = (k * PANEL, values.len() / rows);
+        product(
+            MatMut::from_column_major_slice_mut(values, rows, count),
+            first,
+        );
+        let part = Part {
+            values,
+            columns: width + first..width + first + count,
+            first_row: width,
+            height: rows,
+        };
+        add_children(children, part, entries);
+    });
 }
 
 /// By supernodes: what they pass up, in as little room as it needs; of lower triangles, these alone.

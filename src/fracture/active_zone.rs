@@ -28,7 +28,7 @@ use super::corridor;
 use super::event::{Bounds, Event, Load, is_at_limit};
 use super::failure::CriticalStretch;
 use super::functional::{Values, fields};
-use super::gone::{Earlier, Gone};
+use super::gone::{self, Earlier, Gone};
 use super::response::{Solutions, nan_max};
 use super::state::State;
 use super::zone::{Front, Zone};
@@ -68,7 +68,10 @@ pub struct Moment {
 /// The events to come.
 pub struct Ahead {
     factorised: Factorised,
-    gone: Gone,
+    /// The springs that go, in that order.
+    order: Vec<usize>,
+    /// The dofs that those touch which were gone when the last zone began, in that order.
+    touched: Vec<usize>,
     zones: Vec<Crossing>,
     /// The largest relative residual between zones.
     pub residual: f64,
@@ -111,16 +114,9 @@ impl Ahead {
         moment: usize,
     ) -> Solutions {
         let zone = self.zone(moment - 1);
-        let (events, factorised) = (moment - zone.first, &self.factorised);
-        let forces = |case| {
-            let mut forces = vec![0.0; factorised.dofs()];
-            zone.add_forces(&self.gone, events, case, &mut forces);
-            forces
-        };
-        let held = base.held.as_ref().map(|_| forces(0));
-        let forces = [held.unwrap_or_default(), forces(1)];
-        let gone = self.moment(moment).gone;
-        (self.gone).respond(problem, phase, factorised, base, forces, gone)
+        let forces = zone.forces(&self.touched, moment - zone.first, base);
+        let gone = &self.order[..self.moment(moment).gone];
+        gone::respond(problem, phase, &self.factorised, base, forces, gone)
     }
 }
 
@@ -143,9 +139,11 @@ pub fn look_ahead(
         intact: state.intact.clone(),
         fields: fields(functionals, &factorised, factorised.dofs()),
         base,
+        gone: Gone::default(),
         ahead: Ahead {
             factorised,
-            gone: Gone::default(),
+            order: Vec::new(),
+            touched: Vec::new(),
             zones: Vec::new(),
             residual: 0.0,
         },
@@ -156,13 +154,13 @@ pub fn look_ahead(
         load,
     };
     while let Some((next, cost)) = scout.cross(here, &costs) {
-        costs.add(cost, scout.ahead.gone.order.len());
+        costs.add(cost, scout.ahead.order.len());
         match next {
-            Some(next) if !costs.is_due(scout.ahead.gone.touched()) => here = next,
+            Some(next) if !costs.is_due(scout.gone.dofs().len()) => here = next,
             _ => break,
         }
     }
-    scout.ahead.gone.stop();
+    scout.ahead.touched = scout.gone.dofs().to_vec();
     (scout.ahead.count() > 0).then_some(scout.ahead)
 }
 
@@ -246,6 +244,7 @@ struct Scout<'a> {
     /// v of the functionals when K was factorised.
     fields: Vec<Vec<f64>>,
     base: &'a Solutions,
+    gone: Gone,
     ahead: Ahead,
 }
 
@@ -273,10 +272,10 @@ impl Scout<'_> {
         let problem = self.problem;
         let nodes = corridor::nodes(problem, &self.intact, &solutions, load, costs.dofs / 2);
         let zone = Zone::new(problem, &self.intact, &nodes);
-        let (start, earlier) = (self.ahead.gone).start(&self.ahead.factorised, &zone, self.base)?;
+        let (start, earlier) = (self.gone).start(&self.ahead.factorised, &zone, self.base)?;
         let on_zone = self.fields.iter();
         let on_zone = on_zone
-            .map(|v| earlier.field(&self.ahead.gone, &zone, v))
+            .map(|v| earlier.field(self.gone.dofs(), &zone, v))
             .collect();
         let mut front = Front::new(
             &zone,
@@ -294,36 +293,29 @@ impl Scout<'_> {
             order: Vec::new(),
         };
         let goes_on = self.explore(&mut crossing, &mut front, load);
-        let first = self.ahead.gone.order.len();
         let mut count = crossing.moments.len();
         while count > 0 {
             if let Err(fewer) = self.look(&crossing, &solutions, count) {
                 count = fewer;
                 continue;
             }
-            let gone = crossing.gone(count);
-            let Ahead {
-                gone: all,
-                factorised,
-                ..
-            } = &mut self.ahead;
-            all.lose(problem, &crossing.zone, &start, &crossing.order[..gone]);
-            let found = all.solutions(problem, self.phase, factorised, self.base);
-            let sound = found.filter(|end| self.is_sound(&crossing, [&solutions, end], count));
-            let Some(end) = sound else {
-                self.ahead.gone.regain(first);
+            let end = self.behind(&crossing, count);
+            if !self.is_sound(&crossing, [&solutions, &end], count) {
                 count /= 2;
                 continue;
-            };
-            let cost = start.flops + costs.end(crossing.zone.dofs.len(), gone);
+            }
             let is_whole = count == crossing.moments.len();
-            self.ahead.gone.leave(start);
-            self.accept(crossing, count, first);
-            self.ahead.residual = nan_max(self.ahead.residual, end.residual());
+            crossing.truncate(count);
+            let cost = start.flops + costs.end(crossing.zone.dofs.len(), crossing.order.len());
+            self.accept(&crossing, end.residual());
             let next = match is_whole && !goes_on {
                 true => None,
                 false => self.next(end),
             };
+            if next.is_some() {
+                (self.gone).lose(problem, &crossing.zone, start, &crossing.order);
+            }
+            self.ahead.zones.push(crossing);
             return Some((next, cost));
         }
         None
@@ -367,7 +359,7 @@ impl Scout<'_> {
             }
             crossing.moments.push(Moment {
                 values,
-                gone: self.ahead.gone.order.len() + crossing.order.len(),
+                gone: self.ahead.order.len() + crossing.order.len(),
                 load,
                 before: due.iter().map(|&k| stretches[k]).collect(),
                 after: due
@@ -415,18 +407,10 @@ impl Scout<'_> {
     /// u_held and u_unit next to the zone behind some numbers of events.
     fn displacements(&self, crossing: &Crossing, counts: &[usize]) -> Vec<Solutions> {
         let dofs = self.ahead.factorised.dofs();
-        let cases: Vec<usize> = (0..2)
-            .filter(|&c| c == 1 || self.base.held.is_some())
-            .collect();
-        let mut forces = vec![0.0; dofs * cases.len() * counts.len()];
-        let pairs = counts
-            .iter()
-            .flat_map(|&n| cases.iter().map(move |&c| (n, c)));
-        for ((count, case), all) in pairs.zip(forces.chunks_exact_mut(dofs)) {
-            crossing.add_forces(&self.ahead.gone, count, case, all);
-        }
+        let of_count = |&count: &usize| crossing.forces(self.gone.dofs(), count, self.base);
+        let mut forces: Vec<f64> = counts.iter().flat_map(of_count).flatten().collect();
         if !forces.is_empty() {
-            let (nodes, count) = (&crossing.zone.ring_nodes, cases.len() * counts.len());
+            let (nodes, count) = (&crossing.zone.ring_nodes, forces.len() / dofs);
             (self.ahead.factorised).respond_at(nodes, &mut forces, count);
         }
         let moved = |before: &Solution, change: &[f64]| Solution {
@@ -438,7 +422,8 @@ impl Scout<'_> {
             size: before.size,
         };
         let mut found = Vec::new();
-        for both in forces.chunks_exact(dofs * cases.len()) {
+        let cases = 1 + usize::from(self.base.held.is_some());
+        for both in forces.chunks_exact(dofs * cases) {
             let (held, unit) = both.split_at(both.len() - dofs);
             found.push(Solutions {
                 held: self.base.held.as_ref().map(|u| moved(u, held)),
@@ -446,6 +431,23 @@ impl Scout<'_> {
             });
         }
         found
+    }
+
+    /// u_held and u_unit everywhere behind `count` events.
+    fn behind(&self, crossing: &Crossing, count: usize) -> Solutions {
+        let Ahead {
+            factorised, order, ..
+        } = &self.ahead;
+        let forces = crossing.forces(self.gone.dofs(), count, self.base);
+        let gone = [order, &crossing.order[..crossing.gone(count)]].concat();
+        gone::respond(
+            self.problem,
+            self.phase,
+            factorised,
+            self.base,
+            forces,
+            &gone,
+        )
     }
 
     /// Whether all bonds outside stay under their limits with the responses at both ends, of which the second
@@ -500,15 +502,14 @@ impl Scout<'_> {
         springs.map(largest).reduce(|| 0.0, nan_max)
     }
 
-    fn accept(&mut self, mut crossing: Crossing, count: usize, first: usize) {
-        for &spring in &self.ahead.gone.order[first..] {
+    fn accept(&mut self, crossing: &Crossing, residual: f64) {
+        for &spring in &crossing.order {
             self.intact[spring] = false;
         }
-        crossing.moments.truncate(count);
-        crossing.ends.truncate(count);
-        self.left -= count;
+        self.left -= crossing.moments.len();
         self.load = crossing.moments.last().expect("an event").load;
-        self.ahead.zones.push(crossing);
+        self.ahead.order.extend(&crossing.order);
+        self.ahead.residual = nan_max(self.ahead.residual, residual);
     }
 
     /// Where the next zone begins, if a bond breaks next.
@@ -545,11 +546,25 @@ impl Crossing {
         self.first + self.moments.len()
     }
 
-    /// Adds to the forces at all dofs those of all springs that are gone behind `count` events here [N].
-    fn add_forces(&self, gone: &Gone, count: usize, case: usize, all: &mut [f64]) {
-        let u = &self.ends[count - 1][case];
-        let own = self.zone.forces(&self.order[..self.gone(count)], u);
-        self.earlier.add_forces(gone, &self.zone, case, &own, all);
+    /// Of each case, none of what is not held: the forces of all springs that are gone behind `count` events here,
+    /// at all dofs [N]. `touched`: by those that were gone before.
+    fn forces(&self, touched: &[usize], count: usize, base: &Solutions) -> [Vec<f64>; 2] {
+        let order = &self.order[..self.gone(count)];
+        let of_case = |case: usize, u: Option<&Solution>| -> Vec<f64> {
+            let Some(u) = u else { return Vec::new() };
+            let own = self.zone.forces(order, &self.ends[count - 1][case]);
+            let mut all = vec![0.0; 2 * u.displacement.len()];
+            (self.earlier).add_forces(touched, &self.zone, case, &own, &mut all);
+            all
+        };
+        [of_case(0, base.held.as_ref()), of_case(1, Some(&base.unit))]
+    }
+
+    /// Only its first `count` events count.
+    fn truncate(&mut self, count: usize) {
+        self.order.truncate(self.gone(count));
+        self.moments.truncate(count);
+        self.ends.truncate(count);
     }
 
     /// Whether u on the zone behind `count` events is that of a solution.

@@ -47,7 +47,7 @@ pub struct Bounds {
     pub lower: f64,
     /// λ must not be above this [-].
     pub upper: f64,
-    /// The largest stretch over its limit at the load that acts now [-].
+    /// The largest stretch over its limit at the load that acts now [-]; nothing where none is beyond it.
     pub excess: f64,
 }
 
@@ -60,20 +60,28 @@ impl Bounds {
 
     /// Of one bond, with its stretches under what is held and per unit of λ; λ is `last` now.
     pub fn of([held, unit]: [f64; 2], limit: CriticalStretch, last: f64) -> Bounds {
-        let mut bounds = Bounds {
-            excess: limit.utilisation(held + last * unit),
-            ..Bounds::NONE
+        let now = held + last * unit;
+        let excess = match limit.is_exceeded(now) {
+            true => limit.utilisation(now),
+            false => 0.0,
         };
-        for limit in [limit.tension, -limit.compression] {
-            let at = (limit - held) / unit;
-            // Where the stretch runs towards this limit as λ grows, it bounds λ from above.
-            if unit != 0.0 && (unit > 0.0) == (limit > 0.0) {
-                bounds.upper = bounds.upper.min(at);
-            } else if unit != 0.0 {
-                bounds.lower = bounds.lower.max(at);
-            }
+        if unit == 0.0 {
+            return Bounds {
+                excess,
+                ..Bounds::NONE
+            };
         }
-        bounds
+        // The limit that the stretch runs towards as λ grows bounds λ from above.
+        let (ahead, behind) = match unit > 0.0 {
+            true => (limit.tension, -limit.compression),
+            false => (-limit.compression, limit.tension),
+        };
+        let over = 1.0 / unit;
+        Bounds {
+            lower: (behind - held) * over,
+            upper: (ahead - held) * over,
+            excess,
+        }
     }
 
     pub fn and(self, other: Bounds) -> Bounds {
@@ -113,7 +121,8 @@ impl Bounds {
 pub fn is_at_limit(stretches: [f64; 2], limit: CriticalStretch, load: Load, tie: f64) -> bool {
     let stretch = load.combine(stretches);
     let outwards = load.share < 1.0 || stretch * stretches[1] > 0.0;
-    outwards && limit.utilisation(stretch) * (1.0 + tie) >= 1.0
+    let nearly = stretch * (1.0 + tie);
+    outwards && (nearly >= limit.tension || nearly <= -limit.compression)
 }
 
 #[cfg(test)]
@@ -130,7 +139,7 @@ mod tests {
         let bounds = Bounds::of([1.0, 0.5], LIMIT, 0.0);
         assert_eq!(
             (bounds.lower, bounds.upper, bounds.excess),
-            (-22.0, 2.0, 0.5)
+            (-22.0, 2.0, 0.0)
         );
         let turned = Bounds::of([1.0, -0.5], LIMIT, 0.0);
         assert_eq!((turned.lower, turned.upper), (-2.0, 22.0));

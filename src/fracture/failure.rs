@@ -75,7 +75,10 @@ impl CriticalStretch {
 
     /// The stretch over the limit of its sign: above one the bond breaks [-].
     pub fn utilisation(&self, s: f64) -> f64 {
-        (s / self.tension).max(-s / self.compression)
+        match s > 0.0 {
+            true => s / self.tension,
+            false => -s / self.compression,
+        }
     }
 }
 

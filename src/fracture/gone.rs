@@ -8,8 +8,8 @@
 //! A'_zz = A_zz + A_zT M A_Tz,   u' = u + K⁻¹ E_T M u_T
 //! ```
 //!
-//! for an S of any rank. u' is exact again wherever it is taken: what a zone leaves of rounding does not
-//! enter the next one.
+//! for an S of any rank. M is formed anew for each zone: rounding of the updates there does not pile up from zone
+//! to zone.
 
 use super::compliance::Compliance;
 use super::control::Problem;
@@ -25,7 +25,6 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, Par};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
 
 /// A pivot of I − A_TT S below this share of the largest: what is left is a mechanism, or too close to one.
 const LEAST_PIVOT: f64 = 1e-7;
@@ -33,10 +32,8 @@ const LEAST_PIVOT: f64 = 1e-7;
 /// Columns that one thread takes at a time.
 const BLOCK: usize = 128;
 
-/// What has gone.
+/// What had gone when a zone began.
 pub struct Gone {
-    /// The springs, in the order in which they went.
-    pub order: Vec<usize>,
     springs: Vec<Spring>,
     /// T, in the order in which they were first touched.
     dofs: Vec<usize>,
@@ -44,8 +41,6 @@ pub struct Gone {
     /// L⁻¹ E_T, and A_TT [m/N].
     loads: UnitLoads,
     compliance: Mat<f64>,
-    /// I − A_TT S of all springs, once asked for.
-    whole: OnceLock<Option<Lu>>,
     /// Of the last zone.
     before: Option<Compliance>,
 }
@@ -70,22 +65,20 @@ pub struct Earlier {
 impl Default for Gone {
     fn default() -> Gone {
         Gone {
-            order: Vec::new(),
             springs: Vec::new(),
             dofs: Vec::new(),
             place: BTreeMap::new(),
             loads: UnitLoads::default(),
             compliance: Mat::new(),
-            whole: OnceLock::new(),
             before: None,
         }
     }
 }
 
 impl Gone {
-    /// The number of dofs in T.
-    pub fn touched(&self) -> usize {
-        self.dofs.len()
+    /// T.
+    pub fn dofs(&self) -> &[usize] {
+        &self.dofs
     }
 
     /// `None` where what is left is a mechanism, or the factor not Cholesky's.
@@ -109,23 +102,20 @@ impl Gone {
         };
         if touched > 0 {
             start.between = self.loads.product(&start.compliance.loads);
-            let system = self.whole()?;
+            let system = self.system()?;
             earlier.moved.copy_from(&start.between);
-            self.take(system, earlier.moved.as_mut());
-            earlier.forces = self.forces(system, base);
+            self.take(&system, earlier.moved.as_mut());
+            earlier.forces = self.forces(&system, base);
         }
         Some((start, earlier))
     }
 
-    /// I − A_TT S of all springs, factorised.
-    fn whole(&self) -> Option<&Lu> {
-        let system = || {
-            let touched = self.dofs.len();
-            let mut system = Mat::<f64>::identity(touched, touched);
-            lost::subtract(system.as_mut(), self.compliance.as_ref(), &self.springs);
-            Lu::new(system, LEAST_PIVOT).ok()
-        };
-        self.whole.get_or_init(system).as_ref()
+    /// I − A_TT S, factorised.
+    fn system(&self) -> Option<Lu> {
+        let touched = self.dofs.len();
+        let mut system = Mat::<f64>::identity(touched, touched);
+        lost::subtract(system.as_mut(), self.compliance.as_ref(), &self.springs);
+        Lu::new(system, LEAST_PIVOT).ok()
     }
 
     /// Overwrites columns c on T by M c.
@@ -158,11 +148,10 @@ impl Gone {
         [of(base.held.as_ref()), of(Some(&base.unit))]
     }
 
-    /// Springs of a zone that are gone from now on.
-    pub fn lose(&mut self, problem: &Problem, zone: &Zone, start: &Start, bonds: &[usize]) {
+    /// Leaves a zone, where some bonds have gone.
+    pub fn lose(&mut self, problem: &Problem, zone: &Zone, start: Start, bonds: &[usize]) {
         let model = problem.model;
         let (known, mut new) = (self.dofs.len(), Vec::new());
-        self.whole = OnceLock::new();
         for &bond in bonds {
             let mut terms = Vec::new();
             model.for_each_term(bond, |node, w| {
@@ -177,7 +166,6 @@ impl Gone {
                     terms.push((place, w));
                 }
             });
-            self.order.push(bond);
             let stiffness = model.springs.stiffness[bond];
             self.springs.push(Spring {
                 stiffness,
@@ -199,70 +187,30 @@ impl Gone {
                 compliance[(known + i, known + j)] = start.compliance.own[(other, place)];
             }
         }
-    }
-
-    /// Leaves a zone: the next one may share dofs with it.
-    pub fn leave(&mut self, start: Start) {
         self.before = Some(start.compliance);
     }
+}
 
-    /// There is no next zone.
-    pub fn stop(&mut self) {
-        self.before = None;
-    }
-
-    /// Takes back all but the first `count` springs.
-    pub fn regain(&mut self, count: usize) {
-        self.whole = OnceLock::new();
-        self.order.truncate(count);
-        self.springs.truncate(count);
-        let terms = self.springs.iter().flat_map(|s| &s.terms);
-        let touched = terms.map(|&(place, _)| place + 1).max().unwrap_or(0);
-        for dof in self.dofs.drain(touched..) {
-            self.place.remove(&dof);
-        }
-        self.loads.truncate(touched);
-        self.compliance.truncate(touched, touched);
-    }
-
-    /// u_held and u_unit everywhere, from those when K was factorised; `None` for a mechanism.
-    pub fn solutions(
-        &self,
-        problem: &Problem,
-        phase: usize,
-        factorised: &Factorised,
-        base: &Solutions,
-    ) -> Option<Solutions> {
-        let forces = self.forces(self.whole()?, base).map(|on_touched| {
-            let mut forces = vec![0.0; factorised.dofs()];
-            let pairs = self.dofs.iter().zip(on_touched);
-            pairs.for_each(|(&dof, force)| forces[dof] = force);
-            forces
-        });
-        Some(self.respond(problem, phase, factorised, base, forces, self.order.len()))
-    }
-
-    /// The same where the first `count` springs exert these forces of each case at all dofs [N].
-    pub fn respond(
-        &self,
-        problem: &Problem,
-        phase: usize,
-        factorised: &Factorised,
-        base: &Solutions,
-        [held, unit]: [Vec<f64>; 2],
-        count: usize,
-    ) -> Solutions {
-        let (model, programme) = (problem.model, problem.programme);
-        let after = |mut change: Vec<f64>, case: &Boundary, before: &Solution| {
-            factorised.respond(&mut change, 1);
-            let case = (case, factorised.scale(case));
-            factorised.without(model, case, before, &change, &self.order[..count])
-        };
-        let before = (base.held.as_ref()).zip(programme.held(phase));
-        Solutions {
-            unit: after(unit, &programme.phases[phase].boundary, &base.unit),
-            held: before.map(|(u, case)| after(held, &case, u)),
-        }
+/// u_held and u_unit everywhere, from those when K was factorised, where some springs are gone and exert these
+/// forces of each case at all dofs [N].
+pub fn respond(
+    problem: &Problem,
+    phase: usize,
+    factorised: &Factorised,
+    base: &Solutions,
+    [held, unit]: [Vec<f64>; 2],
+    gone: &[usize],
+) -> Solutions {
+    let (model, programme) = (problem.model, problem.programme);
+    let after = |mut change: Vec<f64>, case: &Boundary, before: &Solution| {
+        factorised.respond(&mut change, 1);
+        let case = (case, factorised.scale(case));
+        factorised.without(model, case, before, &change, gone)
+    };
+    let before = (base.held.as_ref()).zip(programme.held(phase));
+    Solutions {
+        unit: after(unit, &programme.phases[phase].boundary, &base.unit),
+        held: before.map(|(u, case)| after(held, &case, u)),
     }
 }
 
@@ -284,34 +232,33 @@ impl Start {
 
 impl Earlier {
     /// v' on the zone: v there, a response to loads that stay, and what the springs add that are gone.
-    pub fn field(&self, gone: &Gone, zone: &Zone, v: &[f64]) -> Vec<f64> {
+    pub fn field(&self, touched: &[usize], zone: &Zone, v: &[f64]) -> Vec<f64> {
         let mut own: Vec<f64> = zone.dofs.iter().map(|&d| v[d]).collect();
         for (j, own) in own.iter_mut().enumerate() {
-            let moved = self
-                .moved
-                .col(j)
-                .iter()
-                .zip(&gone.dofs[..self.moved.nrows()]);
+            let moved = self.moved.col(j).iter().zip(touched);
             *own += moved.map(|(m, &dof)| m * v[dof]).sum::<f64>();
         }
         own
     }
 
-    /// Adds to the forces at all dofs [N] those of the springs that were gone when the zone began, and of
-    /// those of the zone that are gone since, which exert `forces` on its dofs [N].
-    pub fn add_forces(&self, gone: &Gone, zone: &Zone, case: usize, own: &[f64], all: &mut [f64]) {
+    /// Adds to the forces at all dofs [N] those of the springs that were gone when the zone began, which
+    /// `touched` some, and of those of the zone that are gone since, which exert `own` on its dofs [N].
+    pub fn add_forces(
+        &self,
+        touched: &[usize],
+        zone: &Zone,
+        case: usize,
+        own: &[f64],
+        all: &mut [f64],
+    ) {
         for (&dof, f) in zone.dofs.iter().zip(own) {
             all[dof] += f;
         }
-        let touched = self.moved.nrows();
-        for (&dof, f) in gone.dofs.iter().zip(&self.forces[case]) {
-            all[dof] += f;
-        }
-        let mut passed_on = vec![0.0; touched];
+        let mut before = self.forces[case].clone();
         for (j, &f) in own.iter().enumerate().filter(|(_, f)| **f != 0.0) {
-            add(&mut passed_on, f, slice(self.moved.col(j)));
+            add(&mut before, f, slice(self.moved.col(j)));
         }
-        for (&dof, f) in gone.dofs.iter().zip(passed_on) {
+        for (&dof, f) in touched.iter().zip(before) {
             all[dof] += f;
         }
     }

@@ -5,11 +5,11 @@ use super::event::Bounds;
 use super::failure::CriticalStretch;
 use super::functional::Values;
 use super::response::Solutions;
-use crate::linear_solver::columns::{add, slice};
+use crate::linear_solver::columns::{add, slice, slice_mut};
 use crate::model::Model;
 use crate::statics::Solution;
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Accum, Mat, MatMut, Par};
 use rayon::prelude::*;
 
 /// A node with a larger share of its springs across the edge of the zone is at its rim.
@@ -34,7 +34,8 @@ pub struct Zone {
     start: Vec<usize>,
     /// The springs' w by place in `dofs` [-].
     terms: Vec<(u32, f64)>,
-    lengths: Vec<f64>,
+    /// One over their lengths [1/m].
+    over_length: Vec<f64>,
     limits: Vec<CriticalStretch>,
     stiffness: Vec<f64>,
     /// Places of those of which one node has many intact springs to nodes outside.
@@ -73,7 +74,7 @@ impl Zone {
             springs: Vec::new(),
             start: vec![0],
             terms: Vec::new(),
-            lengths: Vec::new(),
+            over_length: Vec::new(),
             limits: Vec::new(),
             stiffness: Vec::new(),
             at_rim: Vec::new(),
@@ -129,7 +130,7 @@ impl Zone {
         }
         self.springs.push(spring);
         self.start.push(self.terms.len());
-        self.lengths.push(springs.length(spring, positions));
+        (self.over_length).push(springs.length(spring, positions).recip());
         self.limits.push(problem.limits.of(spring));
         self.stiffness.push(springs.stiffness[spring]);
     }
@@ -153,7 +154,7 @@ impl Zone {
     pub fn stretches(&self, place: usize, u: &[Vec<f64>; 2]) -> [f64; 2] {
         [&u[0], &u[1]].map(|u| match u.is_empty() {
             true => 0.0,
-            false => self.elongation(place, u) / self.lengths[place],
+            false => self.elongation(place, u) * self.over_length[place],
         })
     }
 
@@ -197,8 +198,9 @@ impl Zone {
 pub struct Front {
     /// A as it was before the updates that wait [m/N].
     compliance: Mat<f64>,
-    /// √(k/d) a of the updates that wait, one after the other.
-    pending: Vec<f64>,
+    /// √(k/d) a of the updates that wait, and how many do.
+    pending: Mat<f64>,
+    waiting: usize,
     /// u_held, empty where nothing is held, and u_unit [m].
     pub displacement: [Vec<f64>; 2],
     /// v of the functionals.
@@ -221,7 +223,8 @@ impl Front {
         };
         Front {
             compliance,
-            pending: Vec::new(),
+            pending: Mat::zeros(zone.dofs.len(), PENDING),
+            waiting: 0,
             displacement: [
                 solutions.held.as_ref().map(on_zone).unwrap_or_default(),
                 on_zone(&solutions.unit),
@@ -237,7 +240,7 @@ impl Front {
         let place = zone.place(spring).expect("a spring of the zone");
         let (w, k) = (zone.terms(place), zone.stiffness[place]);
         self.intact[place] = false;
-        let mut a = self.column(w);
+        let a = self.column(w);
         let d = 1.0 - k * dot(w, &a);
         // False for what is not a number.
         let is_held = d > LEAST_DENOMINATOR;
@@ -256,9 +259,10 @@ impl Front {
             add(u, force, &a);
         }
         let scale = (k / d).sqrt();
-        a.iter_mut().for_each(|a| *a *= scale);
-        self.pending.extend(a);
-        if self.pending.len() == PENDING * zone.dofs.len() {
+        let pending = slice_mut(self.pending.col_mut(self.waiting));
+        pending.iter_mut().zip(&a).for_each(|(p, a)| *p = scale * a);
+        self.waiting += 1;
+        if self.waiting == PENDING {
             self.flush();
         }
         true
@@ -266,22 +270,21 @@ impl Front {
 
     /// A w.
     fn column(&self, w: &[(u32, f64)]) -> Vec<f64> {
-        let n = self.compliance.nrows();
-        let mut a = vec![0.0; n];
+        let mut a = vec![0.0; self.compliance.nrows()];
         for &(dof, w) in w {
             add(&mut a, w, slice(self.compliance.col(dof as usize)));
         }
-        for p in self.pending.chunks_exact(n) {
-            add(&mut a, dot(w, p), p);
-        }
+        let pending = self.pending.subcols(0, self.waiting);
+        let along = Mat::from_fn(self.waiting, 1, |j, _| dot(w, slice(pending.col(j))));
+        let rows = a.len();
+        let sum = MatMut::from_column_major_slice_mut(&mut a, rows, 1);
+        matmul(sum, Accum::Add, pending, &along, 1.0, Par::Seq);
         a
     }
 
     /// Applies the updates that wait, block by block of A's columns.
     fn flush(&mut self) {
-        let n = self.compliance.nrows();
-        let count = self.pending.len() / n;
-        let p = MatRef::from_column_major_slice(&self.pending, n, count);
+        let p = self.pending.as_ref();
         self.compliance
             .par_col_chunks_mut(128)
             .enumerate()
@@ -289,7 +292,7 @@ impl Front {
                 let rows = p.subrows(128 * k, block.ncols());
                 matmul(block, Accum::Add, p, rows.transpose(), 1.0, Par::Seq);
             });
-        self.pending.clear();
+        self.waiting = 0;
     }
 }
 

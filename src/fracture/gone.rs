@@ -18,7 +18,7 @@ use super::lost::{self, Spring};
 use super::response::Solutions;
 use super::zone::Zone;
 use crate::boundary::Boundary;
-use crate::linear_solver::columns::{add, slice};
+use crate::linear_solver::columns::{add, slice, symmetric};
 use crate::linear_solver::compliance::UnitLoads;
 use crate::statics::{Factorised, Solution};
 use faer::linalg::matmul::matmul;
@@ -217,16 +217,16 @@ pub fn respond(
 impl Start {
     /// A'_zz.
     pub fn compliance(&self, earlier: &Earlier) -> Mat<f64> {
-        let mut compliance = self.compliance.own.clone();
-        compliance
-            .par_col_chunks_mut(BLOCK)
-            .enumerate()
-            .for_each(|(k, block)| {
-                let moved = earlier.moved.subcols(BLOCK * k, block.ncols());
-                let left = self.between.transpose();
-                matmul(block, Accum::Add, left, moved, 1.0, Par::Seq);
-            });
-        compliance
+        let mut upper = self.compliance.own.clone();
+        let blocks = upper.par_col_chunks_mut(BLOCK).enumerate();
+        blocks.for_each(|(k, block)| {
+            let (first, count) = (BLOCK * k, block.ncols());
+            let moved = earlier.moved.subcols(first, count);
+            let rows = self.between.subcols(0, first + count).transpose();
+            let own = block.subrows_mut(0, first + count);
+            matmul(own, Accum::Add, rows, moved, 1.0, Par::Seq);
+        });
+        symmetric(&upper)
     }
 }
 
@@ -267,5 +267,5 @@ impl Earlier {
 /// Multiplications and additions for a zone of `n` dofs with `p` rows of X, when `t` are touched: X_TᵀX,
 /// I − A_TT S factorised and applied, A'.
 fn flops(n: f64, t: f64, p: f64) -> f64 {
-    2.0 * t * n * p + 2.0 / 3.0 * t * t * t + 2.0 * t * t * n + 2.0 * n * n * t
+    2.0 * t * n * p + 2.0 / 3.0 * t * t * t + 2.0 * t * t * n + n * n * t
 }

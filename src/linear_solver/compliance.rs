@@ -9,7 +9,7 @@
 //! tenth of L.
 
 use super::cholesky::Factor;
-use super::columns::{slice, slice_mut};
+use super::columns::{slice, slice_mut, symmetric};
 use super::path::Path;
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
@@ -111,16 +111,15 @@ impl UnitLoads {
             false => a.product(b),
         });
         let products: Vec<Mat<f64>> = each.collect();
-        let mut all = Mat::zeros(self.len, self.len);
+        let mut upper = Mat::zeros(self.len, self.len);
         for ((a, b), product) in pairs.iter().zip(&products) {
             for (product, &column) in product.col_iter().zip(&b.members) {
                 for (&row, value) in a.members.iter().zip(slice(product)) {
-                    all[(row, column)] = *value;
-                    all[(column, row)] = *value;
+                    upper[(row.min(column), row.max(column))] = *value;
                 }
             }
         }
-        all
+        symmetric(&upper)
     }
 
     /// Takes the loads at some places, in this order, to its own, at the end.
@@ -208,7 +207,7 @@ impl Block {
         product
     }
 
-    /// Xᵀ X, its upper triangle; both sides of the diagonal in what follows from it.
+    /// Xᵀ X.
     fn square(&self) -> Mat<f64> {
         let size = self.members.len();
         let mut square = Mat::zeros(size, size);
@@ -227,12 +226,7 @@ impl Block {
                 Par::Seq,
             );
         }
-        for j in 0..size {
-            for i in 0..j {
-                square[(j, i)] = square[(i, j)];
-            }
-        }
-        square
+        symmetric(&square)
     }
 }
 

@@ -7,6 +7,7 @@ use super::supernodes::Supernodes;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 /// What it takes to factorise some supernodes anew.
 #[derive(Clone, Debug, Default)]
@@ -15,6 +16,8 @@ pub struct Kept {
     updates: Updates,
     /// What a pivot has left undone, ascending.
     undone: Vec<usize>,
+    /// Room for what levels pass up: one is read, the next is written, in turn.
+    stacks: [Vec<f64>; 2],
 }
 
 /// Fills the numbers of the supernodes of a path anew: ascending, with each of them all above it. What
@@ -74,7 +77,7 @@ impl Kept {
     pub fn new(updates: Updates) -> Kept {
         Kept {
             updates,
-            undone: Vec::new(),
+            ..Kept::default()
         }
     }
 
@@ -109,6 +112,39 @@ impl Kept {
     }
 }
 
+/// What a pivot has left of a path.
+struct Undone {
+    supernodes: BTreeSet<usize>,
+    /// The first one in the order of elimination, and its supernode.
+    failed: Option<(usize, NotPositive)>,
+}
+
+impl Undone {
+    /// What is eliminated before a pivot that failed is done all the same: the first one is told.
+    fn has_turn(&self, s: usize) -> bool {
+        self.failed.is_none_or(|(failed, _)| s < failed)
+    }
+
+    fn note(&mut self, s: usize, done: Result<(), NotPositive>) {
+        match done {
+            Ok(()) => {
+                self.supernodes.remove(&s);
+            }
+            Err(pivot) => {
+                let other = self.failed.unwrap_or((s, pivot));
+                self.failed = Some(other.min((s, pivot)));
+            }
+        }
+    }
+}
+
+/// A supernode that is eliminated once more: its numbers, and what it passes up.
+struct Again<'v> {
+    supernode: usize,
+    own: &'v mut [f64],
+    update: &'v mut [f64],
+}
+
 impl<F: Front> Numeric<'_, F> {
     /// Fills the numbers of a path, ascending, those far from the root first; what others pass up is kept.
     ///
@@ -122,55 +158,77 @@ impl<F: Front> Numeric<'_, F> {
     ) -> Result<(), NotPositive> {
         path.iter().for_each(|s| drop(kept.updates.remove(s)));
         let mut blocks = blocks(self.front, values, path);
-        // Of the path itself, until their parents have taken them.
-        let mut fresh = Updates::new();
-        let mut undone: BTreeSet<usize> = path.iter().copied().collect();
-        let mut failed: Option<(usize, NotPositive)> = None;
-        for level in levels(self.structure, path) {
-            // What is eliminated before a pivot that failed is done all the same: the first one is told.
-            let is_before = |s: &usize| failed.is_none_or(|(failed, _)| *s < failed);
-            let level: Vec<(usize, &mut [f64])> = (level.into_iter().filter(is_before))
-                .map(|s| (s, blocks.remove(&s).expect("done once")))
+        let levels = levels(self.structure, path);
+        let mut stacks = std::mem::take(&mut kept.stacks);
+        self.make_room(&mut stacks, &levels);
+        let mut undone = Undone {
+            supernodes: path.iter().copied().collect(),
+            failed: None,
+        };
+        // Where the updates of the level below are in the stack that it wrote.
+        let mut below: BTreeMap<usize, Range<usize>> = BTreeMap::new();
+        for (k, level) in levels.iter().enumerate() {
+            let [even, odd] = &mut stacks;
+            let (write, read) = if k % 2 == 0 { (even, odd) } else { (odd, even) };
+            let passed = |(&s, at): (&usize, &Range<usize>)| (s, &read[at.clone()]);
+            let fresh: BTreeMap<usize, &[f64]> = below.iter().map(passed).collect();
+            let mut here = BTreeMap::new();
+            let (mut rest, mut top) = (&mut write[..], 0);
+            let mut again = |&s: &usize| {
+                let count = self.structure.rows(s).len().pow(2);
+                let (update, after) = std::mem::take(&mut rest).split_at_mut(count);
+                here.insert(s, top..top + count);
+                (rest, top) = (after, top + count);
+                Again {
+                    supernode: s,
+                    own: blocks.remove(&s).expect("done once"),
+                    update,
+                }
+            };
+            let level = level.iter().filter(|&&s| undone.has_turn(s));
+            let tasks: Vec<Again> = level.map(&mut again).collect();
+            let done: Vec<_> = (tasks.into_par_iter())
+                .map(|task| (task.supernode, self.again(task, &fresh, &kept.updates)))
                 .collect();
-            let done: Vec<_> = (level.into_par_iter())
-                .map(|(s, own)| (s, self.again(s, own, &fresh, &kept.updates)))
-                .collect();
-            for (s, update) in done {
-                match update {
-                    Ok(update) => {
-                        let children = self.structure.children_from_last(s);
-                        let taken = children.filter_map(|child| fresh.remove(&child));
-                        taken.for_each(|update| self.pool.give(update));
-                        fresh.insert(s, update);
-                        undone.remove(&s);
-                    }
-                    Err(pivot) => failed = Some(failed.map_or((s, pivot), |f| f.min((s, pivot)))),
+            done.into_iter().for_each(|(s, done)| undone.note(s, done));
+            here.retain(|s, _| !undone.supernodes.contains(s));
+            for (s, update) in fresh {
+                let parent = self.structure.parent(s).expect("on the level above");
+                if !here.contains_key(&parent) {
+                    kept.updates.insert(s, self.stored(s, update));
                 }
             }
+            below = here;
         }
-        let Some((_, pivot)) = failed else {
-            fresh
-                .into_values()
-                .for_each(|update| self.pool.give(update));
+        kept.stacks = stacks;
+        let Some((_, pivot)) = undone.failed else {
             return Ok(());
         };
-        for (s, update) in fresh {
-            kept.updates.insert(s, self.stored(s, &update));
-        }
-        kept.undone = undone.into_iter().collect();
+        kept.undone = undone.supernodes.into_iter().collect();
         Err(pivot)
+    }
+
+    fn make_room(&self, stacks: &mut [Vec<f64>; 2], levels: &[Vec<usize>]) {
+        let rows = |&s: &usize| self.structure.rows(s).len();
+        let size = |level: &Vec<usize>| level.iter().map(|s| rows(s).pow(2)).sum::<usize>();
+        for (first, stack) in stacks.iter_mut().enumerate() {
+            let sizes = levels.iter().skip(first).step_by(2).map(size);
+            let most = sizes.max().unwrap_or(0);
+            if stack.len() < most {
+                *stack = Vec::new();
+                *stack = vec![0.0; most];
+            }
+        }
     }
 
     /// A supernode of a path once more, from what its children pass up: those of the path, and what is kept.
     fn again(
         &self,
-        s: usize,
-        own: &mut [f64],
-        fresh: &Updates,
+        task: Again,
+        fresh: &BTreeMap<usize, &[f64]>,
         kept: &Updates,
-    ) -> Result<Vec<f64>, NotPositive> {
-        let count = self.structure.rows(s).len().pow(2);
-        let mut update = self.pool.take(count);
+    ) -> Result<(), NotPositive> {
+        let s = task.supernode;
         let children = self.structure.children(s);
         let child = |&child: &usize| match fresh.get(&child) {
             Some(update) => self.child(child, s, update, false),
@@ -179,7 +237,6 @@ impl<F: Front> Numeric<'_, F> {
         let updates: Vec<Child> = children.iter().map(child).collect();
         let mut memory = MemBuffer::new(self.front.scratch(self.structure.width(s)));
         let memory = MemStack::new(&mut memory);
-        (self.front).eliminate(s, own, &updates, &mut update[..count], memory)?;
-        Ok(update)
+        (self.front).eliminate(s, task.own, &updates, task.update, memory)
     }
 }

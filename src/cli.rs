@@ -194,9 +194,7 @@ pub fn main() -> ExitCode {
 
 fn command() -> ExitCode {
     set_up_messages();
-    let command = Cli::parse().command;
-    set_up_threads(&command);
-    let done = match command {
+    let done = match Cli::parse().command {
         Command::Run(arguments) => return run::run(&arguments),
         Command::Watch { common, threads } => return watch_all(common, threads),
         Command::Sweep(arguments) => return study::sweep(&arguments),
@@ -247,18 +245,6 @@ fn command() -> ExitCode {
         }
     };
     done.map_or_else(report, |()| ExitCode::SUCCESS)
-}
-
-/// The main thread is one of those that work is shared out to: to wake another for each piece of a run, and to be
-/// woken by it, takes as long as many a piece.
-fn set_up_threads(command: &Command) {
-    let threads = match command {
-        Command::Run(arguments) => arguments.threads,
-        _ => None,
-    };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0).into());
-    let built = pool.use_current_thread().build_global();
-    built.expect("no parallel work has begun yet");
 }
 
 /// A reader that has read enough, such as `head`, is no error.

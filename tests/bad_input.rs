@@ -84,6 +84,25 @@ fn files_that_are_no_pipeline() {
     }
 }
 
+/// No address space holds a stack of 2⁴⁶ bytes.
+#[test]
+fn threads_that_cannot_be_started() {
+    let place = Workplace::new();
+    let before = place.snapshot();
+    let mut command = place.command(&["run", "bar.yaml", "--threads", "2"]);
+    let ended = command.env("RUST_MIN_STACK", (1_u64 << 46).to_string());
+    let ended = ended.output().expect("the binary starts");
+    let message = String::from_utf8_lossy(&ended.stderr);
+    assert_eq!(ended.status.code(), Some(2), "{message}");
+    for part in [
+        "the threads cannot be started",
+        "--threads 1 needs no other",
+    ] {
+        assert!(message.contains(part), "{message}");
+    }
+    assert_eq!(place.snapshot(), before);
+}
+
 #[test]
 fn the_geometry_file() {
     assert_edit(

@@ -11,6 +11,7 @@ use crate::pipeline::source::InputError;
 use crate::pipeline::stamp::Stage;
 use crate::trace::Trace;
 use clap::{Args, ValueEnum};
+use rayon::ThreadPoolBuilder;
 use serde_json::Value;
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -32,7 +33,7 @@ pub(super) struct RunArguments {
     dry_run: bool,
     /// Number of threads; the results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(super) threads: Option<u16>,
+    threads: Option<u16>,
     /// Factorise anew whenever bonds have broken: slow, to check the fast way against
     #[arg(long)]
     reference_solver: bool,
@@ -87,13 +88,17 @@ pub(super) fn run(arguments: &RunArguments) -> ExitCode {
         },
         ..Options::default()
     };
-    let done = if arguments.dry_run {
-        for_each(&arguments.common, |plan| announce(plan, &options))
-    } else if let Some(file) = &arguments.trace {
-        run_traced(arguments, &options, file)
-    } else {
-        for_each(&arguments.common, |plan| run_one(plan, &options, arguments))
+    let work = || {
+        if arguments.dry_run {
+            for_each(&arguments.common, |plan| announce(plan, &options))
+        } else if let Some(file) = &arguments.trace {
+            run_traced(arguments, &options, file)
+        } else {
+            for_each(&arguments.common, |plan| run_one(plan, &options, arguments))
+        }
     };
+    let threads = set_up_threads(arguments.threads);
+    let done = threads.map_err(RunError::from).and_then(|()| work());
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if arguments.json => {
@@ -103,6 +108,20 @@ pub(super) fn run(arguments: &RunArguments) -> ExitCode {
         }
         Err(error) => report(error),
     }
+}
+
+/// The main thread is one of those that work is shared out to: to wake another for each piece of a run, and to be
+/// woken by it, takes as long as many a piece.
+fn set_up_threads(threads: Option<u16>) -> Result<(), InputError> {
+    let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0).into());
+    let built = pool.use_current_thread().build_global();
+    built.map_err(|source| {
+        let help = "--threads 1 needs no other; `ulimit -u` and `ulimit -v` bound them";
+        InputError::plain(
+            format!("the threads cannot be started: {source}"),
+            Some(help.to_owned()),
+        )
+    })
 }
 
 /// A run may end at any moment; one whose parent has gone must not go on by itself.

@@ -157,13 +157,6 @@ impl UnitLoads {
         self.len += other.len;
         self.flops += other.flops;
     }
-
-    /// Drops all but the first ones, of which whole lists have been appended.
-    pub fn truncate(&mut self, len: usize) {
-        self.blocks
-            .retain(|block| block.members.iter().all(|&place| place < len));
-        self.len = len;
-    }
 }
 
 impl Block {

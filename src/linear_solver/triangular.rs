@@ -11,6 +11,7 @@
 use super::kernels::Block;
 use super::supernodes::Supernodes;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Subtrees with fewer entries of L stay with one thread.
 const LEAST_ENTRIES: usize = 500_000;
@@ -78,6 +79,9 @@ impl Wanted<'_> {
     }
 }
 
+/// Right-hand sides that go through L together.
+const TOGETHER: usize = 8;
+
 /// Overwrites `x`, `columns` vectors one after the other, by (L Lᵀ)⁻¹ x.
 pub fn solve(
     structure: &Supernodes,
@@ -90,61 +94,54 @@ pub fn solve(
     let sweep = Sweep {
         structure,
         factors,
-        k: columns,
         wanted,
     };
-    let mut panels = vec![0.0; n * columns];
-    let mut work = vec![0.0; sweep.rows(0..structure.n_supernodes()).len() * columns];
-    sweep.for_each_place(|place, dof| panels[place] = x[dof]);
-    let all = Subtrees {
-        supernodes: 0..structure.n_supernodes(),
-        x: &mut panels,
-        work: &mut work,
-    };
-    let roots = structure.roots();
-    sweep.share_out(&roots, all, Sweep::up);
-    let all = Subtrees {
-        supernodes: 0..structure.n_supernodes(),
-        x: &mut panels,
-        work: &mut work,
-    };
-    sweep.share_out(&roots, all, Sweep::down);
-    sweep.for_each_place(|place, dof| x[dof] = panels[place]);
+    match columns {
+        1 => sweep.solve::<1>(x),
+        _ => (x.chunks_mut(TOGETHER * n)).for_each(|x| sweep.solve::<TOGETHER>(x)),
+    }
 }
 
 struct Sweep<'a> {
     structure: &'a Supernodes,
     factors: Factors<'a>,
-    /// Right-hand sides.
-    k: usize,
     wanted: Wanted<'a>,
 }
 
 /// Neighbouring supernodes with their part of the unknowns, and of what passes between them and their
-/// parents: for each supernode its rows, one right-hand side after the other.
-struct Subtrees<'a> {
-    supernodes: std::ops::Range<usize>,
-    x: &'a mut [f64],
-    work: &'a mut [f64],
+/// parents: one number for each right-hand side.
+struct Subtrees<'a, const K: usize> {
+    supernodes: Range<usize>,
+    x: &'a mut [[f64; K]],
+    work: &'a mut [[f64; K]],
 }
 
 impl Sweep<'_> {
-    /// Where every unknown is among the panels, and in the vectors by dof.
-    fn for_each_place(&self, mut place: impl FnMut(usize, usize)) {
+    /// `K` vectors one after the other, or fewer.
+    fn solve<const K: usize>(&self, vectors: &mut [f64]) {
         let n = self.structure.dofs();
-        for s in 0..self.structure.n_supernodes() {
-            let columns = self.structure.columns(s);
-            for column in columns.clone() {
-                let dof = self.structure.dof(column);
-                for k in 0..self.k {
-                    let panel = columns.start * self.k + k * columns.len();
-                    place(panel + column - columns.start, dof + k * n);
-                }
-            }
+        let mut x = vec![[0.0; K]; n];
+        let mut work = vec![[0.0; K]; self.rows(0..self.structure.n_supernodes()).len()];
+        for (column, x) in x.iter_mut().enumerate() {
+            let own = vectors[self.structure.dof(column)..].iter().step_by(n);
+            x.iter_mut().zip(own).for_each(|(x, &own)| *x = own);
+        }
+        let roots = self.structure.roots();
+        for run in [Sweep::up, Sweep::down] {
+            let all = Subtrees {
+                supernodes: 0..self.structure.n_supernodes(),
+                x: &mut x,
+                work: &mut work,
+            };
+            self.share_out(&roots, all, run);
+        }
+        for (column, x) in x.iter().enumerate() {
+            let own = vectors[self.structure.dof(column)..].iter_mut().step_by(n);
+            x.iter().zip(own).for_each(|(x, own)| *own = *x);
         }
     }
 
-    fn rows(&self, supernodes: std::ops::Range<usize>) -> std::ops::Range<usize> {
+    fn rows(&self, supernodes: Range<usize>) -> Range<usize> {
         match supernodes.clone().next_back() {
             None => 0..0,
             Some(last) => {
@@ -153,7 +150,7 @@ impl Sweep<'_> {
         }
     }
 
-    fn columns(&self, supernodes: std::ops::Range<usize>) -> std::ops::Range<usize> {
+    fn columns(&self, supernodes: Range<usize>) -> Range<usize> {
         match supernodes.clone().next_back() {
             None => 0..0,
             Some(last) => {
@@ -177,12 +174,17 @@ impl Sweep<'_> {
     }
 
     /// Runs all subtrees of `roots`, which `all` consists of.
-    fn share_out(&self, roots: &[usize], all: Subtrees, run: fn(&Self, usize, Subtrees)) {
+    fn share_out<const K: usize>(
+        &self,
+        roots: &[usize],
+        all: Subtrees<K>,
+        run: fn(&Self, usize, Subtrees<K>),
+    ) {
         let (mut x, mut work) = (all.x, all.work);
         let share = |&root: &usize| {
             let supernodes = self.structure.subtree(root);
-            let columns = self.columns(supernodes.clone()).len() * self.k;
-            let rows = self.rows(supernodes.clone()).len() * self.k;
+            let columns = self.columns(supernodes.clone()).len();
+            let rows = self.rows(supernodes.clone()).len();
             let (own_x, rest) = std::mem::take(&mut x).split_at_mut(columns);
             x = rest;
             let (own_work, rest) = std::mem::take(&mut work).split_at_mut(rows);
@@ -194,7 +196,7 @@ impl Sweep<'_> {
             };
             (root, own)
         };
-        let shares: Vec<(usize, Subtrees)> = roots.iter().map(share).collect();
+        let shares: Vec<(usize, Subtrees<K>)> = roots.iter().map(share).collect();
         shares
             .into_par_iter()
             .for_each(|(root, own)| run(self, root, own));
@@ -218,7 +220,7 @@ impl Sweep<'_> {
         }
     }
 
-    fn up(&self, root: usize, own: Subtrees) {
+    fn up<const K: usize>(&self, root: usize, own: Subtrees<K>) {
         let Subtrees {
             supernodes,
             x,
@@ -241,7 +243,7 @@ impl Sweep<'_> {
         }
     }
 
-    fn down(&self, root: usize, own: Subtrees) {
+    fn down<const K: usize>(&self, root: usize, own: Subtrees<K>) {
         let Subtrees {
             supernodes,
             x,
@@ -265,13 +267,13 @@ impl Sweep<'_> {
     }
 
     /// The subtrees of the children of `top`; `first` is the first supernode of `x` and `work`.
-    fn fork_of(
+    fn fork_of<const K: usize>(
         &self,
         top: usize,
         first: usize,
-        x: &mut [f64],
-        work: &mut [f64],
-        run: fn(&Self, usize, Subtrees),
+        x: &mut [[f64; K]],
+        work: &mut [[f64; K]],
+        run: fn(&Self, usize, Subtrees<K>),
     ) {
         let mut children: Vec<usize> = self.structure.children_from_last(top).collect();
         children.reverse();
@@ -286,110 +288,82 @@ impl Sweep<'_> {
         self.share_out(&children, below, run);
     }
 
-    fn local_columns(
-        &self,
-        supernodes: std::ops::Range<usize>,
-        first: usize,
-    ) -> std::ops::Range<usize> {
+    fn local_columns(&self, supernodes: Range<usize>, first: usize) -> Range<usize> {
         let shift = self.structure.columns(first).start;
         let columns = self.columns(supernodes);
-        (columns.start - shift) * self.k..(columns.end - shift) * self.k
+        columns.start - shift..columns.end - shift
     }
 
-    fn local_rows(
-        &self,
-        supernodes: std::ops::Range<usize>,
-        first: usize,
-    ) -> std::ops::Range<usize> {
+    fn local_rows(&self, supernodes: Range<usize>, first: usize) -> Range<usize> {
         let shift = self.structure.row_range(first).start;
         let rows = self.rows(supernodes);
-        (rows.start - shift) * self.k..(rows.end - shift) * self.k
+        rows.start - shift..rows.end - shift
     }
 
-    fn up_one(
+    fn up_one<const K: usize>(
         &self,
         s: usize,
         first: usize,
-        x: &mut [f64],
-        work: &mut [f64],
-        front: &mut Vec<f64>,
+        x: &mut [[f64; K]],
+        work: &mut [[f64; K]],
+        front: &mut Vec<[f64; K]>,
     ) {
-        let (width, rows) = (self.structure.width(s), self.structure.rows(s).len());
-        let height = width + rows;
+        let width = self.structure.width(s);
         let own = self.local_columns(s..s + 1, first);
         let passed = self.local_rows(s..s + 1, first);
         front.clear();
-        front.resize(height * self.k, 0.0);
-        for k in 0..self.k {
-            let own = &x[own.start + k * width..][..width];
-            front[k * height..][..width].copy_from_slice(own);
-        }
+        front.extend_from_slice(&x[own.clone()]);
+        front.resize(width + passed.len(), [0.0; K]);
         for child in self.structure.children_from_last(s) {
             let places = self.structure.places(child);
             let from = &work[self.local_rows(child..child + 1, first)];
-            for k in 0..self.k {
-                let to = &mut front[k * height..][..height];
-                for (&place, value) in places.iter().zip(&from[k * places.len()..]) {
-                    to[place as usize] += value;
-                }
+            for (&place, from) in places.iter().zip(from) {
+                let to = &mut front[place as usize];
+                (0..K).for_each(|k| to[k] += from[k]);
             }
         }
         if let Some(order) = self.factors.order(self.structure, s) {
-            for f in front.chunks_exact_mut(height) {
-                let own = f[..width].to_vec();
-                for (f, &from) in f.iter_mut().zip(order) {
-                    *f = own[from as usize];
-                }
+            let unordered = front[..width].to_vec();
+            for (f, &from) in front.iter_mut().zip(order) {
+                *f = unordered[from as usize];
             }
         }
         // Far from few forces nothing arrives: most of L need not be read on the way up.
-        if front.iter().all(|&f| f == 0.0) {
+        if front.iter().all(|f| f.iter().all(|&f| f == 0.0)) {
             return;
         }
         let block = self.block(self.factors.up(self.structure, s), s);
         block.forward(front);
-        for k in 0..self.k {
-            let front = &front[k * height..][..height];
-            x[own.start + k * width..][..width].copy_from_slice(&front[..width]);
-            work[passed.start + k * rows..][..rows].copy_from_slice(&front[width..]);
-        }
+        x[own].copy_from_slice(&front[..width]);
+        work[passed].copy_from_slice(&front[width..]);
     }
 
-    fn down_one(
+    fn down_one<const K: usize>(
         &self,
         s: usize,
         first: usize,
-        x: &mut [f64],
-        work: &mut [f64],
-        front: &mut Vec<f64>,
+        x: &mut [[f64; K]],
+        work: &mut [[f64; K]],
+        front: &mut Vec<[f64; K]>,
     ) {
-        let (width, rows) = (self.structure.width(s), self.structure.rows(s).len());
-        let height = width + rows;
+        let width = self.structure.width(s);
         let own = self.local_columns(s..s + 1, first);
         if !self.wanted.has(s) {
-            x[own].fill(0.0);
+            x[own].fill([0.0; K]);
             return;
         }
         let passed = self.local_rows(s..s + 1, first);
         front.clear();
-        for k in 0..self.k {
-            front.extend_from_slice(&x[own.start + k * width..][..width]);
-            front.extend_from_slice(&work[passed.start + k * rows..][..rows]);
-        }
+        front.extend_from_slice(&x[own.clone()]);
+        front.extend_from_slice(&work[passed]);
         let block = self.block(self.factors.down(self.structure, s), s);
         block.backward(front);
-        for k in 0..self.k {
-            let front = &front[k * height..][..height];
-            x[own.start + k * width..][..width].copy_from_slice(&front[..width]);
-        }
+        x[own].copy_from_slice(&front[..width]);
         for child in self.structure.children_from_last(s) {
             let places = self.structure.places(child);
             let to = &mut work[self.local_rows(child..child + 1, first)];
-            for k in 0..self.k {
-                let from = &front[k * height..][..height];
-                for (&place, value) in places.iter().zip(&mut to[k * places.len()..]) {
-                    *value = from[place as usize];
-                }
+            for (&place, to) in places.iter().zip(to) {
+                *to = front[place as usize];
             }
         }
     }

@@ -107,12 +107,12 @@ fn part_of_a_solution_is_part_of_the_whole_one() {
     let factor = factor.expect("positive definite");
     let whole = {
         let mut x = loads(n, 3);
-        factor.solve_many_in_place(&mut x, 3);
+        factor.solve_in_place(&mut x);
         x
     };
     let nodes = [0, 17, (n / 4) as u32, (n / 2 - 1) as u32];
     let mut part = loads(n, 3);
-    factor.solve_many_at(&nodes, &mut part, 3);
+    factor.solve_at(&nodes, &mut part);
     for (part, whole) in part.chunks_exact(n).zip(whole.chunks_exact(n)) {
         for dof in nodes.iter().flat_map(|&node| [2 * node, 2 * node + 1]) {
             assert_eq!(part[dof as usize], whole[dof as usize], "dof {dof}");
@@ -134,7 +134,7 @@ fn the_bits_depend_neither_on_threads_nor_on_company_nor_on_the_memory() {
         pool.expect("a pool").install(|| {
             let factor = symbolic.factorise(&matrix).expect("positive definite");
             let mut many = b.clone();
-            factor.solve_many_in_place(&mut many, 11);
+            factor.solve_in_place(&mut many);
             let mut single = b.clone();
             single
                 .chunks_exact_mut(n)

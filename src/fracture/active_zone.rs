@@ -410,8 +410,8 @@ impl Scout<'_> {
         let of_count = |&count: &usize| crossing.forces(self.gone.dofs(), count, self.base);
         let mut forces: Vec<f64> = counts.iter().flat_map(of_count).flatten().collect();
         if !forces.is_empty() {
-            let (nodes, count) = (&crossing.zone.ring_nodes, forces.len() / dofs);
-            (self.ahead.factorised).respond_at(nodes, &mut forces, count);
+            let nodes = &crossing.zone.ring_nodes;
+            (self.ahead.factorised).respond_at(nodes, &mut forces);
         }
         let moved = |before: &Solution, change: &[f64]| Solution {
             displacement: (before.displacement.iter().zip(change.chunks_exact(2)))

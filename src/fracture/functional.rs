@@ -62,9 +62,7 @@ pub fn fields(list: &[Functional], factorised: &Factorised, dofs: usize) -> Vec<
     for (functional, forces) in each().zip(all.chunks_exact_mut(dofs)) {
         functional.prepare(factorised, forces);
     }
-    if !list.is_empty() {
-        factorised.respond(&mut all, list.len());
-    }
+    factorised.respond(&mut all);
     for (functional, v) in each().zip(all.chunks_exact_mut(dofs)) {
         functional.complete(v);
     }

@@ -203,7 +203,7 @@ pub fn respond(
 ) -> Solutions {
     let (model, programme) = (problem.model, problem.programme);
     let after = |mut change: Vec<f64>, case: &Boundary, before: &Solution| {
-        factorised.respond(&mut change, 1);
+        factorised.respond(&mut change);
         let case = (case, factorised.scale(case));
         factorised.without(model, case, before, &change, gone)
     };

@@ -129,7 +129,7 @@ impl Touched {
         for (column, &dof) in columns.chunks_exact_mut(dofs).zip(new) {
             column[dof] = 1.0;
         }
-        factorised.respond(&mut columns, new.len());
+        factorised.respond(&mut columns);
         self.columns.extend(columns);
         for (j, column) in self.columns.chunks_exact(dofs).enumerate() {
             for (i, &dof) in self.dofs.iter().enumerate() {
@@ -256,7 +256,7 @@ impl Touched {
             for (&dof, force) in self.dofs.iter().zip(forces) {
                 change[dof] = *force;
             }
-            factorised.respond(&mut change, 1);
+            factorised.respond(&mut change);
         } else {
             for (column, force) in self.columns.chunks_exact(dofs).zip(forces) {
                 let add = change.iter_mut().zip(column);

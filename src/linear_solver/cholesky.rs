@@ -204,26 +204,21 @@ impl Factor {
         self.structure.column(dof)
     }
 
-    /// Overwrites `rhs` by K⁻¹ rhs.
+    /// Overwrites `rhs`, right-hand sides one after the other, by K⁻¹ rhs: eight cost twice as much as one.
     pub fn solve_in_place(&self, rhs: &mut [f64]) {
-        self.solve_many_in_place(rhs, 1);
-    }
-
-    /// The same for `columns` right-hand sides one after the other: eight cost little more than one.
-    pub fn solve_many_in_place(&self, rhs: &mut [f64], columns: usize) {
         let factors = Factors::Symmetric(&self.values);
-        triangular::solve(&self.structure, factors, rhs, columns, Wanted::All);
+        triangular::solve(&self.structure, factors, rhs, Wanted::All);
     }
 
     /// The same where only the unknowns of some nodes are asked for; the others may become nothing. Reads no more
     /// of L than what is above the nodes, and above those with forces.
-    pub fn solve_many_at(&self, nodes: &[u32], rhs: &mut [f64], columns: usize) {
+    pub fn solve_at(&self, nodes: &[u32], rhs: &mut [f64]) {
         let mut wanted = vec![false; self.structure.n_supernodes()];
         for s in self.structure.above(nodes) {
             wanted[s] = true;
         }
         let (factors, wanted) = (Factors::Symmetric(&self.values), Wanted::Some(&wanted));
-        triangular::solve(&self.structure, factors, rhs, columns, wanted);
+        triangular::solve(&self.structure, factors, rhs, wanted);
     }
 }
 

@@ -15,8 +15,10 @@ const STRIP: usize = 8;
 /// Rows that are, but for the last two.
 const LANES: usize = 4;
 
-/// Columns of L on the way down with several right-hand sides: their sums fill the registers.
-const SEVERAL: usize = 2;
+/// On the way down, of several right-hand sides: columns and right-hand sides that are worked on together. Their
+/// sums, in [`LANES`], fill half of the sixteen registers.
+const FEW: usize = 2;
+const HALF: usize = 4;
 
 /// A block with more entries below its own rows is shared out to the threads, in so many parts. The sum of a row
 /// up, and of a column down, is the same in any part.
@@ -247,7 +249,7 @@ fn subtract<const K: usize>(
     rows: &[[f64; K]],
     f: &mut [[f64; K]],
 ) {
-    let most = if K == 1 { STRIP } else { SEVERAL };
+    let most = if K == 1 { STRIP } else { FEW };
     let below = first..first + rows.len();
     for (j, width) in strips(0, f.len(), most) {
         let (below, f) = (below.clone(), &mut f[j..]);
@@ -266,29 +268,50 @@ fn take_sums<const C: usize, const K: usize>(
     rows: &[[f64; K]],
     f: &mut [[f64; K]],
 ) {
+    if K == 1 {
+        return take_some_sums::<C, K, 1>(l, rows, 0, f);
+    }
+    for first in (0..K).step_by(HALF) {
+        take_some_sums::<C, K, HALF>(l, rows, first, f);
+    }
+}
+
+/// The same for `N` right-hand sides from `first` on.
+#[inline(always)]
+fn take_some_sums<const C: usize, const K: usize, const N: usize>(
+    l: [&[f64]; C],
+    rows: &[[f64; K]],
+    first: usize,
+    f: &mut [[f64; K]],
+) {
     let count = rows.len();
     let l: [&[f64]; C] = from_fn(|j| &l[j][..count]);
     let whole = count / LANES * LANES;
-    let mut sums = [[[0.0; K]; LANES]; C];
+    let mut sums = [[[0.0; N]; LANES]; C];
     for i in (0..whole).step_by(LANES) {
         let l: [[f64; LANES]; C] = from_fn(|j| lanes(&l[j][i..]));
-        let f: [[f64; K]; LANES] = lanes(&rows[i..]);
+        let f: [[f64; N]; LANES] = from_fn(|lane| lanes(&rows[i + lane][first..]));
         for j in 0..C {
             for lane in 0..LANES {
-                for k in 0..K {
+                for k in 0..N {
                     sums[j][lane][k] += l[j][lane] * f[lane][k];
                 }
             }
         }
     }
-    for j in 0..C {
-        for k in 0..K {
-            let [a, b, c, d] = sums[j].map(|sum| sum[k]);
-            let mut sum = (a + b) + (c + d);
-            if whole < count {
-                sum += l[j][whole] * rows[whole][k] + l[j][whole + 1] * rows[whole + 1][k];
+    for (j, [a, b, c, d]) in sums.into_iter().enumerate() {
+        let mut sum: [f64; N] = [0.0; N];
+        for k in 0..N {
+            sum[k] = (a[k] + b[k]) + (c[k] + d[k]);
+        }
+        if whole < count {
+            let [p, q]: [[f64; N]; 2] = from_fn(|row| lanes(&rows[whole + row][first..]));
+            for k in 0..N {
+                sum[k] += l[j][whole] * p[k] + l[j][whole + 1] * q[k];
             }
-            f[j][k] -= sum;
+        }
+        for k in 0..N {
+            f[j][first + k] -= sum[k];
         }
     }
 }
@@ -349,9 +372,8 @@ mod tests {
         };
         let load = |k: usize| 1e-3 * ((k * 5 % 17) as f64 - 3.0);
         let loads: Vec<f64> = (0..height * 8).map(load).collect();
-        let mut up: Vec<[f64; 8]> = (0..height)
-            .map(|i| from_fn(|k| loads[k * height + i]))
-            .collect();
+        let side_by_side = |i| from_fn(|k| loads[k * height + i]);
+        let mut up: Vec<[f64; 8]> = (0..height).map(side_by_side).collect();
         let mut down = up.clone();
         block.forward(&mut up);
         block.backward(&mut down);

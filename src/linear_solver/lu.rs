@@ -204,7 +204,7 @@ impl Own {
 
     fn solve_in_place(&self, rhs: &mut [f64]) {
         let factors = Factors::Pivoted(&self.values);
-        triangular::solve(&self.structure, factors, rhs, 1, Wanted::All);
+        triangular::solve(&self.structure, factors, rhs, Wanted::All);
     }
 
     fn is_sound(&self, matrix: &FullMatrix, held: Held) -> bool {

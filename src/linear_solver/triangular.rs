@@ -79,26 +79,23 @@ impl Wanted<'_> {
     }
 }
 
-/// Right-hand sides that go through L together.
+/// Right-hand sides that go through L together: so many, or half of them, or one.
 const TOGETHER: usize = 8;
 
-/// Overwrites `x`, `columns` vectors one after the other, by (L Lᵀ)⁻¹ x.
-pub fn solve(
-    structure: &Supernodes,
-    factors: Factors,
-    x: &mut [f64],
-    columns: usize,
-    wanted: Wanted,
-) {
+/// Overwrites `x`, vectors one after the other, by (L Lᵀ)⁻¹ x.
+pub fn solve(structure: &Supernodes, factors: Factors, x: &mut [f64], wanted: Wanted) {
     let n = structure.dofs();
     let sweep = Sweep {
         structure,
         factors,
         wanted,
     };
-    match columns {
-        1 => sweep.solve::<1>(x),
-        _ => (x.chunks_mut(TOGETHER * n)).for_each(|x| sweep.solve::<TOGETHER>(x)),
+    for x in x.chunks_mut(TOGETHER * n) {
+        match x.len() / n {
+            1 => sweep.solve::<1>(x),
+            2..=4 => sweep.solve::<4>(x),
+            _ => sweep.solve::<TOGETHER>(x),
+        }
     }
 }
 

@@ -48,10 +48,10 @@ impl Factorised {
     }
 
     /// Overwrites forces [N] by the displacements [m] that they add, dof by dof, case after case.
-    pub fn respond(&self, forces: &mut [f64], cases: usize) {
+    pub fn respond(&self, forces: &mut [f64]) {
         self.clear_held(forces);
         match &self.factor {
-            Factor::Cholesky(factor) => factor.solve_many_in_place(forces, cases),
+            Factor::Cholesky(factor) => factor.solve_in_place(forces),
             factor => {
                 for case in forces.chunks_exact_mut(self.dofs()) {
                     let goal = residual_goal(factor.method()) * norm(case);
@@ -64,12 +64,12 @@ impl Factorised {
     }
 
     /// The same where only the displacements of some nodes are asked for; those of others may be missing.
-    pub fn respond_at(&self, nodes: &[u32], forces: &mut [f64], cases: usize) {
+    pub fn respond_at(&self, nodes: &[u32], forces: &mut [f64]) {
         let Factor::Cholesky(factor) = &self.factor else {
-            return self.respond(forces, cases);
+            return self.respond(forces);
         };
         self.clear_held(forces);
-        factor.solve_many_at(nodes, forces, cases);
+        factor.solve_at(nodes, forces);
         self.clear_held(forces);
     }
 

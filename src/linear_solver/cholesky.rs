@@ -69,7 +69,7 @@ impl Symbolic {
 
     /// Entries that the factorisation holds beside those of L.
     pub fn waiting_entries(&self) -> usize {
-        self.structure.waiting_entries()
+        self.structure.waiting_entries(Fronts::PASSED)
     }
 
     /// Multiplications and additions of the numeric factorisation: w³/3 + w²r + wr² for each
@@ -230,7 +230,7 @@ struct Fronts<'a> {
 }
 
 impl Front for Fronts<'_> {
-    const LOWER: bool = true;
+    const PASSED: Entries = Entries::Lower;
 
     fn start(&self, s: usize) -> usize {
         self.structure.block_start(s)
@@ -270,7 +270,7 @@ impl Front for Fronts<'_> {
         let product = |passed: MatMut<f64>, first: usize| {
             tiles::subtract_square(passed, first, l21, Accum::Replace);
         };
-        multifrontal::pass_up(children, width, rows, update, Entries::Lower, product);
+        multifrontal::pass_up(children, width, rows, update, Fronts::PASSED, product);
         Ok(())
     }
 }

@@ -1,5 +1,6 @@
 //! What a child passes up, added to the front of its parent (extend-add; Duff & Reid 1983).
 
+use super::tiles::PANEL;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -12,11 +13,44 @@ pub struct Part<'a> {
     pub height: usize,
 }
 
-/// Which entries of a child's update count.
+/// Which entries of an update count. They are stored column by column in panels of [`PANEL`] of them; those of a
+/// lower triangle without the rows above the panel.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Entries {
     All,
     Lower,
+}
+
+impl Entries {
+    /// How many numbers an update of so many rows has.
+    pub fn count(self, rows: usize) -> usize {
+        let last = rows / PANEL * PANEL;
+        self.before(last, rows) + (rows - last) * (rows - self.first_row(last))
+    }
+
+    /// The first row of the panel that a column is in.
+    pub fn first_row(self, column: usize) -> usize {
+        match self {
+            Entries::All => 0,
+            Entries::Lower => column / PANEL * PANEL,
+        }
+    }
+
+    /// How many numbers stand before the panel that begins with a column.
+    fn before(self, column: usize, rows: usize) -> usize {
+        match self {
+            Entries::All => column * rows,
+            Entries::Lower => column * (2 * rows + PANEL - column) / 2,
+        }
+    }
+
+    /// A column of an update from its first row on, of which those above its panel are others' numbers.
+    #[inline(always)]
+    fn column(self, update: &[f64], column: usize, rows: usize) -> &[f64] {
+        let first = self.first_row(column);
+        let panel = self.before(column / PANEL * PANEL, rows);
+        &update[panel + column % PANEL * (rows - first) - first..][..rows]
+    }
 }
 
 /// Rows of a child that are next to each other in its parent.
@@ -26,12 +60,10 @@ pub struct Runs {
     rows: usize,
     /// Columns of the parent.
     width: usize,
-    /// Nothing but the lower triangle of the update is stored.
-    packed: bool,
 }
 
 impl Runs {
-    pub fn new(places: &[u32], width: usize, packed: bool) -> Runs {
+    pub fn new(places: &[u32], width: usize) -> Runs {
         let mut runs: Vec<[usize; 3]> = Vec::new();
         for (row, &place) in places.iter().enumerate() {
             let place = place as usize;
@@ -47,7 +79,6 @@ impl Runs {
             runs,
             rows: places.len(),
             width,
-            packed,
         }
     }
 
@@ -64,7 +95,7 @@ impl Runs {
     }
 
     /// Adds what falls into a part of the parent's front, which begins at its first row or at the first that it
-    /// passes on; of the update column by column.
+    /// passes on.
     pub fn add(&self, update: &[f64], part: &mut Part, entries: Entries) {
         Arch::new().dispatch(Added {
             runs: self,
@@ -72,16 +103,6 @@ impl Runs {
             part,
             entries,
         });
-    }
-
-    /// A column of the update, from its first row on, stored or not.
-    #[inline(always)]
-    fn column<'u>(&self, update: &'u [f64], column: usize) -> &'u [f64] {
-        let missing = match self.packed {
-            true => column * (column + 1) / 2,
-            false => 0,
-        };
-        &update[column * self.rows - missing..][..self.rows]
     }
 }
 
@@ -111,7 +132,7 @@ impl WithSimd for Added<'_, '_> {
         for k in first..first + reached {
             let [row, place, length] = all[k];
             for j in begin.saturating_sub(place)..length.min(end - place) {
-                let from = runs.column(update, row + j);
+                let from = entries.column(update, row + j, runs.rows);
                 let to = &mut part.values[(place + j - begin) * part.height..][..part.height];
                 let rest = match entries {
                     Entries::All => &all[below..],

@@ -64,7 +64,7 @@ impl Symbolic {
 
     /// Entries that the factorisation holds beside those of L and U.
     pub fn waiting_entries(&self) -> usize {
-        self.structure.waiting_entries()
+        self.structure.waiting_entries(Fronts::PASSED)
     }
 
     /// Multiplications and additions of the numeric factorisation.
@@ -300,7 +300,7 @@ struct Fronts<'a> {
 }
 
 impl Front for Fronts<'_> {
-    const LOWER: bool = false;
+    const PASSED: Entries = Entries::All;
 
     fn start(&self, s: usize) -> usize {
         pivoted_start(self.structure, s)
@@ -368,7 +368,7 @@ impl Front for Fronts<'_> {
             let u12 = u12.subcols(first, passed.ncols());
             tiles::subtract_product(passed, l21, u12, Accum::Replace);
         };
-        multifrontal::pass_up(children, width, rows, update, Entries::All, product);
+        multifrontal::pass_up(children, width, rows, update, Fronts::PASSED, product);
         Ok(())
     }
 }

@@ -31,8 +31,8 @@ pub struct NotPositive(pub usize);
 
 /// One kind of factorisation, front by front.
 pub trait Front: Sync {
-    /// Whether of what is passed up the lower triangle alone counts.
-    const LOWER: bool;
+    /// What counts of what is passed up.
+    const PASSED: Entries;
 
     /// Where a supernode's numbers begin among all; of the number of supernodes, how many there are.
     fn start(&self, s: usize) -> usize;
@@ -40,7 +40,7 @@ pub trait Front: Sync {
     /// Memory to work in, for so many columns.
     fn scratch(&self, columns: usize) -> StackReq;
 
-    /// Fills a supernode's numbers and what it passes up, a square matrix column by column.
+    /// Fills a supernode's numbers and what it passes up, panel by panel.
     ///
     /// # Errors
     /// [`NotPositive`].
@@ -67,8 +67,8 @@ pub fn add_children(children: &[Child], mut part: Part, entries: Entries) {
     }
 }
 
-/// What a front of `width` columns passes up: `product` writes −A21 A11⁻¹ A12 to some of its columns, which begin
-/// at the number given, and is in the cache still when what children pass up is added.
+/// What a front of `width` columns passes up: `product` writes −A21 A11⁻¹ A12 to a panel, whose first column is
+/// given, and which is in the cache still when what children pass up is added.
 pub fn pass_up(
     children: &[Child],
     width: usize,
@@ -77,27 +77,31 @@ pub fn pass_up(
     entries: Entries,
     product: impl Fn(MatMut<f64>, usize) + Sync,
 ) {
-    if rows == 0 {
-        return;
-    }
-    let columns = update.par_chunks_mut(PANEL * rows).enumerate();
-    columns.for_each(|(k, values)| {
-        let (first, count) = (k * PANEL, values.len() / rows);
-        product(
-            MatMut::from_column_major_slice_mut(values, rows, count),
-            first,
-        );
+    let mut rest = update;
+    let panel = |first: usize| {
+        let (count, height) = (PANEL.min(rows - first), rows - entries.first_row(first));
+        let (values, after) = std::mem::take(&mut rest).split_at_mut(count * height);
+        rest = after;
         let part = Part {
             values,
             columns: width + first..width + first + count,
-            first_row: width,
-            height: rows,
+            first_row: width + rows - height,
+            height,
         };
+        (first, part)
+    };
+    let panels: Vec<(usize, Part)> = (0..rows).step_by(PANEL).map(panel).collect();
+    panels.into_par_iter().for_each(|(first, part)| {
+        let (height, count) = (part.height, part.columns.len());
+        product(
+            MatMut::from_column_major_slice_mut(part.values, height, count),
+            first,
+        );
         add_children(children, part, entries);
     });
 }
 
-/// By supernodes: what they pass up, in as little room as it needs; of lower triangles, these alone.
+/// By supernodes: what they pass up, in as little room as it needs.
 pub type Updates = BTreeMap<usize, Vec<f64>>;
 
 /// Fills the numbers of all supernodes. `path`: those that are likely to change, ascending and with each of them
@@ -225,7 +229,7 @@ impl<'a, F: Front> Numeric<'a, F> {
         let done: Vec<Result<(usize, Vec<f64>), NotPositive>> = tasks
             .map(|(root, values)| {
                 let update = self.subtree(root, values)?;
-                let stored = self.stored(root, &update.values);
+                let stored = update.values.to_vec();
                 self.pool.give(update.values);
                 Ok((root, stored))
             })
@@ -300,17 +304,15 @@ impl<'a, F: Front> Numeric<'a, F> {
         self.front.start(s + 1) - self.front.start(s)
     }
 
-    /// `packed`: of the update, the lower triangle alone is there.
-    pub fn child<'u>(
-        &self,
-        child: usize,
-        parent: usize,
-        update: &'u [f64],
-        packed: bool,
-    ) -> Child<'u> {
+    /// How many numbers a supernode passes up.
+    pub fn passed(&self, s: usize) -> usize {
+        F::PASSED.count(self.structure.rows(s).len())
+    }
+
+    pub fn child<'u>(&self, child: usize, parent: usize, update: &'u [f64]) -> Child<'u> {
         let (places, width) = (self.structure.places(child), self.structure.width(parent));
         Child {
-            runs: Runs::new(places, width, packed),
+            runs: Runs::new(places, width),
             update,
         }
     }
@@ -321,10 +323,9 @@ impl<'a, F: Front> Numeric<'a, F> {
         block: &mut [f64],
         children: Vec<Update>,
     ) -> Result<Update, NotPositive> {
-        let rows = self.structure.rows(s).len();
-        let mut update = self.pool.take(rows * rows);
+        let mut update = self.pool.take(self.passed(s));
         let updates: Vec<Child> = (children.iter())
-            .map(|child| self.child(child.supernode, s, &child.values, false))
+            .map(|child| self.child(child.supernode, s, &child.values))
             .collect();
         let mut memory = MemBuffer::new(self.front.scratch(self.structure.width(s)));
         let memory = MemStack::new(&mut memory);
@@ -344,21 +345,9 @@ impl<'a, F: Front> Numeric<'a, F> {
         let is_on_path = |s: usize| self.path.binary_search(&s).is_ok();
         let parent = self.structure.parent(s);
         if !is_on_path(s) && parent.is_some_and(is_on_path) {
-            let stored = self.stored(s, update);
             let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-            kept.insert(s, stored);
+            kept.insert(s, update.to_vec());
         }
-    }
-
-    /// An update in as little room as it needs.
-    pub fn stored(&self, s: usize, update: &[f64]) -> Vec<f64> {
-        let rows = self.structure.rows(s).len();
-        if !F::LOWER {
-            return update[..rows * rows].to_vec();
-        }
-        let mut stored = Vec::with_capacity(rows * (rows + 1) / 2);
-        (0..rows).for_each(|j| stored.extend(&update[j * rows + j..(j + 1) * rows]));
-        stored
     }
 
     /// A subtree, supernode after supernode.
@@ -368,7 +357,7 @@ impl<'a, F: Front> Numeric<'a, F> {
         let first = subtree.start;
         let widest = subtree.clone().map(|s| structure.width(s)).max();
         let mut memory = MemBuffer::new(self.front.scratch(widest.unwrap_or(0)));
-        let Stacks { level, size } = Stacks::of(structure, subtree.clone());
+        let Stacks { level, size } = Stacks::of(structure, subtree.clone(), |s| self.passed(s));
         // Of supernodes an even, and an odd number of levels below the root: one is read, one is written.
         let mut stacks = size.map(|size| self.pool.take(size));
         let mut top = [0, 0];
@@ -376,25 +365,24 @@ impl<'a, F: Front> Numeric<'a, F> {
         for s in subtree {
             let (block, after) = std::mem::take(&mut rest).split_at_mut(self.numbers(s));
             rest = after;
-            let rows = structure.rows(s).len();
             let own = level[s - first] % 2;
             let [even, odd] = &mut stacks;
             let (write, read) = if own == 0 { (even, odd) } else { (odd, even) };
             let mut end = top[1 - own];
             let mut children: Vec<Child> = Vec::new();
             for child in structure.children_from_last(s) {
-                let begin = end - structure.rows(child).len().pow(2);
-                children.push(self.child(child, s, &read[begin..end], false));
+                let begin = end - self.passed(child);
+                children.push(self.child(child, s, &read[begin..end]));
                 end = begin;
             }
             children.reverse();
-            let update = &mut write[top[own]..][..rows * rows];
+            let update = &mut write[top[own]..][..self.passed(s)];
             let memory = MemStack::new(&mut memory);
             (self.front).eliminate(s, block, &children, update, memory)?;
             if s != root {
                 self.keep(s, update);
             }
-            top[own] += rows * rows;
+            top[own] += self.passed(s);
             top[1 - own] = end;
         }
         let [mut update, odd] = stacks;
@@ -416,7 +404,11 @@ struct Stacks {
 }
 
 impl Stacks {
-    fn of(structure: &Supernodes, subtree: Range<usize>) -> Stacks {
+    fn of(
+        structure: &Supernodes,
+        subtree: Range<usize>,
+        passed: impl Fn(usize) -> usize,
+    ) -> Stacks {
         let first = subtree.start;
         let mut level = vec![0; subtree.len()];
         for s in subtree.clone().rev().skip(1) {
@@ -426,10 +418,10 @@ impl Stacks {
         let (mut top, mut size) = ([0, 0], [0, 0]);
         for s in subtree {
             let own = level[s - first] % 2;
-            top[own] += structure.rows(s).len().pow(2);
+            top[own] += passed(s);
             size[own] = size[own].max(top[own]);
             for child in structure.children_from_last(s) {
-                top[1 - own] -= structure.rows(child).len().pow(2);
+                top[1 - own] -= passed(child);
             }
         }
         Stacks { level, size }

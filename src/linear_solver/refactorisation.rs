@@ -175,7 +175,7 @@ impl<F: Front> Numeric<'_, F> {
             let mut here = BTreeMap::new();
             let (mut rest, mut top) = (&mut write[..], 0);
             let mut again = |&s: &usize| {
-                let count = self.structure.rows(s).len().pow(2);
+                let count = self.passed(s);
                 let (update, after) = std::mem::take(&mut rest).split_at_mut(count);
                 here.insert(s, top..top + count);
                 (rest, top) = (after, top + count);
@@ -195,7 +195,7 @@ impl<F: Front> Numeric<'_, F> {
             for (s, update) in fresh {
                 let parent = self.structure.parent(s).expect("on the level above");
                 if !here.contains_key(&parent) {
-                    kept.updates.insert(s, self.stored(s, update));
+                    kept.updates.insert(s, update.to_vec());
                 }
             }
             below = here;
@@ -209,8 +209,7 @@ impl<F: Front> Numeric<'_, F> {
     }
 
     fn make_room(&self, stacks: &mut [Vec<f64>; 2], levels: &[Vec<usize>]) {
-        let rows = |&s: &usize| self.structure.rows(s).len();
-        let size = |level: &Vec<usize>| level.iter().map(|s| rows(s).pow(2)).sum::<usize>();
+        let size = |level: &Vec<usize>| level.iter().map(|&s| self.passed(s)).sum::<usize>();
         for (first, stack) in stacks.iter_mut().enumerate() {
             let sizes = levels.iter().skip(first).step_by(2).map(size);
             let most = sizes.max().unwrap_or(0);
@@ -230,9 +229,9 @@ impl<F: Front> Numeric<'_, F> {
     ) -> Result<(), NotPositive> {
         let s = task.supernode;
         let children = self.structure.children(s);
-        let child = |&child: &usize| match fresh.get(&child) {
-            Some(update) => self.child(child, s, update, false),
-            None => self.child(child, s, &kept[&child], F::LOWER),
+        let child = |&child: &usize| {
+            let update = fresh.get(&child).copied();
+            self.child(child, s, update.unwrap_or_else(|| &kept[&child]))
         };
         let updates: Vec<Child> = children.iter().map(child).collect();
         let mut memory = MemBuffer::new(self.front.scratch(self.structure.width(s)));

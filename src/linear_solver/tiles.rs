@@ -45,7 +45,10 @@ pub fn cholesky(mut front: MatMut<f64>, memory: &mut MemStack) -> Result<(), usi
         let (_, right) = right.split_at_row_mut(columns);
         let (below, right) = (below.as_ref(), right.par_col_chunks_mut(PANEL));
         let columns = right.enumerate();
-        columns.for_each(|(k, c)| subtract_square(c, k * PANEL, below, Accum::Add));
+        columns.for_each(|(k, c)| {
+            let first = k * PANEL;
+            subtract_square(c.split_at_row_mut(first).1, first, below, Accum::Add);
+        });
     }
     Ok(())
 }
@@ -62,9 +65,8 @@ pub fn solve_unit_rows(l: MatRef<f64>, b: MatMut<f64>) {
     rows.for_each(|b| solve_unit_lower_triangular_in_place(l, b.transpose_mut(), Par::Seq));
 }
 
-/// The lower triangle of C − A Aᵀ, or of −A Aᵀ, in the columns of it from `first` on.
+/// The lower triangle of C − A Aᵀ, or of −A Aᵀ, in some columns of it, from the row and the column `first` on.
 pub fn subtract_square(c: MatMut<f64>, first: usize, a: MatRef<f64>, accum: Accum) {
-    let (_, c) = c.split_at_row_mut(first);
     let a = a.subrows(first, a.nrows() - first);
     let (own, below) = a.split_at_row(c.ncols());
     let (diagonal, c) = c.split_at_row_mut(own.nrows());
@@ -171,7 +173,10 @@ mod tests {
         let mut passed = Mat::from_fn(rows, rows, |i, j| strong(width + i, width + j));
         let columns = passed.par_col_chunks_mut(PANEL).enumerate();
         let below = front.subrows(width, rows);
-        columns.for_each(|(k, c)| subtract_square(c, k * PANEL, below, Accum::Add));
+        columns.for_each(|(k, c)| {
+            let first = k * PANEL;
+            subtract_square(c.split_at_row_mut(first).1, first, below, Accum::Add);
+        });
         for j in 0..height {
             for i in j..height {
                 let common = 0..width.min(j + 1);

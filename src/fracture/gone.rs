@@ -18,7 +18,7 @@ use super::lost::{self, Spring};
 use super::response::Solutions;
 use super::zone::Zone;
 use crate::boundary::Boundary;
-use crate::linear_solver::columns::{add, slice, symmetric};
+use crate::linear_solver::columns::{add, slice, slice_mut, symmetric};
 use crate::linear_solver::compliance::UnitLoads;
 use crate::statics::{Factorised, Solution};
 use faer::linalg::matmul::matmul;
@@ -125,12 +125,7 @@ impl Gone {
             for mut column in block.col_iter_mut() {
                 let z: Vec<f64> = column.as_ref().iter().copied().collect();
                 column.fill(0.0);
-                for spring in &self.springs {
-                    let elongation: f64 = spring.terms.iter().map(|&(p, w)| w * z[p]).sum();
-                    for &(place, w) in &spring.terms {
-                        column[place] += spring.stiffness * elongation * w;
-                    }
-                }
+                lost::add_forces(&self.springs, &z, slice_mut(column));
             }
         });
     }

@@ -23,6 +23,16 @@ impl Spring {
     }
 }
 
+/// Adds S z.
+pub fn add_forces(springs: &[Spring], z: &[f64], forces: &mut [f64]) {
+    for spring in springs {
+        let elongation: f64 = spring.terms.iter().map(|&(place, w)| w * z[place]).sum();
+        for &(place, w) in spring.acting() {
+            forces[place] += spring.stiffness * elongation * w;
+        }
+    }
+}
+
 /// Takes Σ k A w wᵀ off `system`, whose rows are those of `compliance`, A.
 pub fn subtract(system: MatMut<f64>, compliance: MatRef<f64>, springs: &[Spring]) {
     let chunks = system.par_row_chunks_mut(ROWS).enumerate();

@@ -239,12 +239,7 @@ impl Touched {
         for place in pins.iter().map(|dof| self.place[dof]) {
             forces[place] = self.force_unit(place) * std::mem::take(&mut z[place]);
         }
-        for spring in &self.springs {
-            let elongation: f64 = spring.terms.iter().map(|&(place, w)| w * z[place]).sum();
-            for &(place, w) in spring.acting() {
-                forces[place] += spring.stiffness * elongation * w;
-            }
-        }
+        lost::add_forces(&self.springs, &z, &mut forces);
         forces
     }
 

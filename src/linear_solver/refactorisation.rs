@@ -172,21 +172,8 @@ impl<F: Front> Numeric<'_, F> {
             let (write, read) = if k % 2 == 0 { (even, odd) } else { (odd, even) };
             let passed = |(&s, at): (&usize, &Range<usize>)| (s, &read[at.clone()]);
             let fresh: BTreeMap<usize, &[f64]> = below.iter().map(passed).collect();
-            let mut here = BTreeMap::new();
-            let (mut rest, mut top) = (&mut write[..], 0);
-            let mut again = |&s: &usize| {
-                let count = self.passed(s);
-                let (update, after) = std::mem::take(&mut rest).split_at_mut(count);
-                here.insert(s, top..top + count);
-                (rest, top) = (after, top + count);
-                Again {
-                    supernode: s,
-                    own: blocks.remove(&s).expect("done once"),
-                    update,
-                }
-            };
-            let level = level.iter().filter(|&&s| undone.has_turn(s));
-            let tasks: Vec<Again> = level.map(&mut again).collect();
+            let level = level.iter().copied().filter(|&s| undone.has_turn(s));
+            let (tasks, mut here) = self.tasks(level, &mut blocks, write);
             let done: Vec<_> = (tasks.into_par_iter())
                 .map(|task| (task.supernode, self.again(task, &fresh, &kept.updates)))
                 .collect();
@@ -206,6 +193,28 @@ impl<F: Front> Numeric<'_, F> {
         };
         kept.undone = undone.supernodes.into_iter().collect();
         Err(pivot)
+    }
+
+    /// Some supernodes with their numbers, and room in a stack for what they pass up; where that is.
+    fn tasks<'v, 'b: 'v>(
+        &self,
+        supernodes: impl Iterator<Item = usize>,
+        blocks: &mut BTreeMap<usize, &'b mut [f64]>,
+        mut stack: &'v mut [f64],
+    ) -> (Vec<Again<'v>>, BTreeMap<usize, Range<usize>>) {
+        let (mut places, mut top) = (BTreeMap::new(), 0);
+        let again = |s: usize| {
+            let count = self.passed(s);
+            let (update, rest) = std::mem::take(&mut stack).split_at_mut(count);
+            places.insert(s, top..top + count);
+            (stack, top) = (rest, top + count);
+            Again {
+                supernode: s,
+                own: blocks.remove(&s).expect("done once"),
+                update,
+            }
+        };
+        (supernodes.map(again).collect(), places)
     }
 
     fn make_room(&self, stacks: &mut [Vec<f64>; 2], levels: &[Vec<usize>]) {

@@ -44,9 +44,10 @@ const ITERATIVE_VECTORS: f64 = 20.0;
 const WAITING: f64 = 2.5;
 
 /// Of a spring in a fracture run: its limits, the length of crack that it stands for, whether it is intact
-/// in the state and in the frames that wait; and what drawing takes at any size: fitted to the same and to 10⁶ points [bytes].
+/// in the state and in the frames that wait; and of a fracture run of any size. Both fitted to the same and to
+/// 10⁶ points [bytes].
 const BREAKABLE: f64 = 48.0;
-const DRAWING: f64 = 15e6;
+const FRACTURE: f64 = 15e6;
 
 /// What a fracture run holds over the entries of L: to factorise again only above what broke, and to update the response.
 /// Nothing where little breaks, 0.8 to 1.4 where a body is torn apart (31 000 to 118 000 dofs); between the two.
@@ -92,7 +93,7 @@ impl Estimate {
             (1.0 + kept) * factor_entries as f64 + WAITING * structure.waiting_entries() as f64;
         let fracture = match springs {
             0 => 0.0,
-            springs => DRAWING + BREAKABLE * springs as f64,
+            springs => FRACTURE + BREAKABLE * springs as f64,
         };
         let solving = ENTRY * (copies * stiffness + factors + vectors * dofs as f64) + fracture;
         let bytes = held_memory().unwrap_or(0) + solving as u64;

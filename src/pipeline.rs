@@ -1,47 +1,9 @@
-//! A pipeline file to results: [`spec`] (YAML as written) → [`plan`] (checked) → [`stamp`] (what is
-//! stale) → [`run`].
+//! A pipeline file to results, in six rooms; each imports only from those before it.
 
-mod bits;
-mod charts;
-mod checkpoint;
-pub mod costs;
-pub mod damage_picture;
-mod deformed;
-mod drafter;
-mod files;
-pub mod folder;
-pub mod fracture;
-pub mod history;
-mod made;
-mod maps;
-mod mesh_picture;
-mod meshing;
-mod nesting;
-pub mod parameters;
-mod parts;
-mod pictures;
-pub mod plan;
-pub mod profile;
-pub mod quantity;
-mod reader;
-mod recipe;
-mod reel;
-pub mod reference;
-pub mod report;
-pub mod results;
-pub mod run;
-pub mod schema;
-pub mod scribe;
-pub mod solved;
-pub mod source;
-pub mod sources;
-pub mod spec;
-pub mod stamp;
-pub mod stored;
+pub mod account;
+pub mod error;
+pub mod read;
+pub mod record;
+pub mod show;
+pub mod stages;
 pub mod study;
-pub mod study_engines;
-pub mod study_table;
-pub mod validate;
-pub mod view;
-mod workshop;
-pub mod yaml;

@@ -3,7 +3,7 @@
 
 mod workplace;
 
-use peristitch::pipeline::plan::Plan;
+use peristitch::pipeline::read::plan::Plan;
 use proptest::prelude::*;
 use std::sync::LazyLock;
 use workplace::{PIPELINE, Workplace};

@@ -3,7 +3,7 @@
 //! goes without mention.
 
 use peristitch::gmsh::library;
-use peristitch::pipeline::plan::Plan;
+use peristitch::pipeline::read::plan::Plan;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -389,34 +389,26 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
-/// What the modules of src/ take from each other, serde included; tests and comments left out.
-fn imports() -> BTreeMap<String, BTreeSet<String>> {
-    let src = repository().join("src");
+/// The modules that each module directly in `folder` imports from it, serde included; tests and comments
+/// are left out. `path` is the folder's own: `crate`, or a module.
+fn imports(folder: &Path, path: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let path = format!("{path}::");
     let mut imports: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    for path in sources(&src) {
-        let inside = path
-            .strip_prefix(&src)
-            .expect("it was found there")
-            .with_extension("");
-        let module = inside
-            .iter()
-            .next()
-            .and_then(|name| name.to_str())
-            .expect("a name")
-            .to_owned();
-        let text = fs::read_to_string(&path).expect("a source is text");
+    for file in sources(folder) {
+        let inside = file.strip_prefix(folder).expect("it was found there");
+        let first = inside.iter().next().expect("a path has a name");
+        let module = Path::new(first).with_extension("").display().to_string();
+        // Only there does `super` mean the folder.
+        let is_direct = inside.components().count() == 1;
+        let text = fs::read_to_string(&file).expect("a source is text");
         let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-        let code: Vec<&str> = code
-            .lines()
-            .filter(|l| !l.trim_start().starts_with("//"))
-            .collect();
         let of_module = imports.entry(module.clone()).or_default();
-        for line in &code {
-            for rest in line.split("crate::").skip(1) {
-                let end = rest
-                    .find(|c: char| !c.is_alphanumeric() && c != '_')
-                    .unwrap_or(rest.len());
-                of_module.insert(rest[..end].to_owned());
+        let is_code = |line: &&str| !line.trim_start().starts_with("//");
+        for line in code.lines().filter(is_code) {
+            let siblings = line.split("super::").skip(1).filter(|_| is_direct);
+            for rest in line.split(&path).skip(1).chain(siblings) {
+                let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_');
+                of_module.insert(rest[..end.unwrap_or(rest.len())].to_owned());
             }
             if line.contains("serde") {
                 of_module.insert("serde".to_owned());
@@ -424,38 +416,37 @@ fn imports() -> BTreeMap<String, BTreeSet<String>> {
         }
         of_module.remove(&module);
     }
-    imports.retain(|module, _| module != "main" && module != "lib");
     imports
 }
 
-#[test]
-fn the_import_table_is_that_of_the_sources() {
-    let table = ARCHITECTURE_PAGE
-        .split("## Imports")
-        .nth(1)
-        .expect("there is such a section");
-    let rows = table.split("Rules that").next().expect("a section").lines();
+/// A table of docs/architecture.md: a module in each row, and what it imports, which stands above it.
+fn import_table(heading: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let section = ARCHITECTURE_PAGE.split(&format!("\n{heading}\n")).nth(1);
+    let section = section.expect("there is such a section");
+    let section = section.split("\n#").next().expect("a section");
     let names = |cell: &str| {
-        cell.split('`')
-            .skip(1)
-            .step_by(2)
-            .map(str::to_owned)
-            .collect()
+        let words = cell.split('`').skip(1).step_by(2);
+        words.map(str::to_owned).collect::<Vec<String>>()
     };
-    let mut described: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    let mut before: BTreeSet<String> = BTreeSet::new();
-    for row in rows.filter(|row| row.starts_with("| `")) {
+    let mut table: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for row in section.lines().filter(|row| row.starts_with("| `")) {
         let cells: Vec<&str> = row.trim_matches('|').split('|').collect();
-        let module = cells[0].trim().trim_matches('`').to_owned();
-        let imported: BTreeSet<String> = names(cells[1]);
+        let module = names(cells[0]).remove(0);
+        let imported: BTreeSet<String> = names(cells[1]).into_iter().collect();
         assert!(
-            imported.is_subset(&before),
+            imported.iter().all(|name| table.contains_key(name)),
             "{module} imports what comes later: a cycle?"
         );
-        before.insert(module.clone());
-        described.insert(module, imported);
+        table.insert(module, imported);
     }
-    let mut found = imports();
+    table
+}
+
+#[test]
+fn the_import_tables_are_those_of_the_sources() {
+    let src = repository().join("src");
+    let mut found = imports(&src, "crate");
+    found.retain(|module, _| module != "main" && module != "lib");
     let may_serialise = ["gmsh", "meshio", "pipeline", "cli"];
     for (module, imported) in &mut found {
         let serialises = imported.remove("serde");
@@ -464,8 +455,13 @@ fn the_import_table_is_that_of_the_sources() {
             "{module} uses serde"
         );
     }
-    assert_eq!(described, found);
-    assert_eq!(described.len(), 25);
+    assert_eq!(import_table("## Imports"), found);
+    assert_eq!(found.len(), 25);
+    let mut rooms = imports(&src.join("pipeline"), "crate::pipeline");
+    for imported in rooms.values_mut() {
+        imported.remove("serde");
+    }
+    assert_eq!(import_table("### Rooms of the pipeline"), rooms);
 }
 
 #[test]

@@ -19,9 +19,9 @@ use peristitch::mesh::{CellKind, Edge};
 use peristitch::model::{Method, Model, PeridynamicSettings};
 use peristitch::peridynamics::lattice::Placement;
 use peristitch::phases::Phases;
-use peristitch::pipeline::plan::Plan;
-use peristitch::pipeline::run::{Options, discretised};
-use peristitch::pipeline::validate::{limits, programme};
+use peristitch::pipeline::read::plan::Plan;
+use peristitch::pipeline::stages::run::{Options, discretised};
+use peristitch::pipeline::stages::validate::{limits, programme};
 use peristitch::statics::StaticsError;
 use std::path::Path;
 

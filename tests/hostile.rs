@@ -18,8 +18,8 @@ mod readers;
 mod targets;
 mod workplace;
 
-use peristitch::pipeline::stamp;
-use peristitch::pipeline::stored::Kind;
+use peristitch::pipeline::record::stamp;
+use peristitch::pipeline::record::stored::Kind;
 use random::Random;
 use serde_json::Value;
 use std::path::{Path, PathBuf};

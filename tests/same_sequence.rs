@@ -3,7 +3,7 @@
 
 mod workplace;
 
-use peristitch::pipeline::fracture::Frame;
+use peristitch::pipeline::record::frames::Frame;
 use std::path::Path;
 use std::process::Command;
 use workplace::{BINARY, repository};

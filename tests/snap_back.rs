@@ -12,9 +12,9 @@
 mod workplace;
 
 use peristitch::gmsh::Extract;
-use peristitch::pipeline::fracture::Frame;
-use peristitch::pipeline::plan::Plan;
-use peristitch::pipeline::validate::discretise;
+use peristitch::pipeline::read::plan::Plan;
+use peristitch::pipeline::record::frames::Frame;
+use peristitch::pipeline::stages::validate::discretise;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::process::Command;

@@ -193,7 +193,7 @@ fn a_mesh_that_cannot_be_decoded_is_made_again() {
 }
 
 fn hash(bytes: &[u8]) -> String {
-    peristitch::pipeline::stamp::hash(bytes)
+    peristitch::pipeline::record::stamp::hash(bytes)
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! `peristitch new`: a geometry and a pipeline that run, to begin with.
 
-use crate::pipeline::schema;
-use crate::pipeline::source::InputError;
+use crate::pipeline::read::schema;
+use crate::pipeline::read::source::InputError;
 use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};

@@ -1,9 +1,9 @@
 //! What a run prints when it is done: the numbers that a person wants to see, and the files.
 
-use crate::pipeline::damage_picture::DAMAGE_PICTURE;
-use crate::pipeline::plan::Plan;
-use crate::pipeline::report::REPORT_FILE;
-use crate::pipeline::scribe;
+use crate::pipeline::read::plan::Plan;
+use crate::pipeline::record::writer;
+use crate::pipeline::show::damage_picture::DAMAGE_PICTURE;
+use crate::pipeline::show::report::REPORT_FILE;
 use serde_json::Value;
 
 /// Numbers that a person wants to see, to standard output.
@@ -37,7 +37,7 @@ pub(super) fn print_files(plan: &Plan, summary: &Value) {
         println!("  {folder}/{REPORT_FILE}  (all of it on one page, for a browser)");
     }
     if !summary["fracture"].is_null() {
-        println!("  {folder}/{}  (a line per step)", scribe::HISTORY_FILE);
+        println!("  {folder}/{}  (a line per step)", writer::HISTORY_FILE);
     }
     for file in files() {
         let what = match file.rsplit('.').next() {

@@ -2,8 +2,9 @@
 //! JSON per event.
 
 use super::with_causes;
-use crate::pipeline::run::{Observer, RunError, Step};
-use crate::pipeline::stamp::Stage;
+use crate::pipeline::error::RunError;
+use crate::pipeline::record::stamp::Stage;
+use crate::pipeline::stages::run::{Observer, Step};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use std::io::IsTerminal;

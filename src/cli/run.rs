@@ -4,11 +4,12 @@ use super::numbers::{print_files, print_next, print_numbers, print_phases, print
 use super::progress::{JsonLines, Progress, print_error};
 use super::{Common, INTERRUPTED, code_of, for_each, report};
 use crate::fracture::control::{Ending, Resolution};
-use crate::pipeline::plan::Plan;
-use crate::pipeline::profile;
-use crate::pipeline::run::{self, Options, RunError, Standing};
-use crate::pipeline::source::InputError;
-use crate::pipeline::stamp::Stage;
+use crate::pipeline::account::profile;
+use crate::pipeline::error::RunError;
+use crate::pipeline::read::plan::Plan;
+use crate::pipeline::read::source::InputError;
+use crate::pipeline::record::stamp::Stage;
+use crate::pipeline::stages::run::{self, Options, Standing};
 use crate::trace::Trace;
 use clap::{Args, ValueEnum};
 use rayon::ThreadPoolBuilder;

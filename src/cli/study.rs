@@ -3,11 +3,12 @@
 use super::sweep::{self, Settings};
 use super::{Common, INTERRUPTED, report};
 use crate::output::write_whole;
-use crate::pipeline::run::{self, Options, RunError};
-use crate::pipeline::source::{InputError, choices};
-use crate::pipeline::study::Study;
-use crate::pipeline::study_engines::{Job, makefile, snakefile};
-use crate::pipeline::study_table::{Row, Status, draw_charts, log_file, row, write_table};
+use crate::pipeline::error::RunError;
+use crate::pipeline::read::source::{InputError, choices};
+use crate::pipeline::stages::run::{self, Options};
+use crate::pipeline::study::engines::{Job, makefile, snakefile};
+use crate::pipeline::study::sweep::Study;
+use crate::pipeline::study::table::{Row, Status, draw_charts, log_file, row, write_table};
 use crate::statics::Estimate;
 use clap::Args;
 use std::path::PathBuf;

@@ -3,9 +3,10 @@
 //! Each run is a process of its own, `peristitch run`; its messages go to a file of its own. A run that
 //! fails does not stop the others. What is fresh does not run: a sweep that was ended goes on.
 
-use crate::pipeline::run::{self, Options, RunError};
-use crate::pipeline::study::{Run, Study};
-use crate::pipeline::study_table::{LOG_FOLDER, Row, Status, log_file, row};
+use crate::pipeline::error::RunError;
+use crate::pipeline::stages::run::{self, Options};
+use crate::pipeline::study::sweep::{Run, Study};
+use crate::pipeline::study::table::{LOG_FOLDER, Row, Status, log_file, row};
 use crate::statics::Estimate;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fs::{self, File};

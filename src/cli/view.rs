@@ -1,10 +1,11 @@
 //! `peristitch view`: the script `view.py` of the results, in ParaView, or into a PNG file by whatever can
 //! draw it here: `pvpython`, else a Python that has VTK's package.
 
-use crate::pipeline::plan::Plan;
-use crate::pipeline::run::{RunError, read_summary};
-use crate::pipeline::source::InputError;
-use crate::pipeline::view::VIEW_FILE;
+use crate::pipeline::account::summary::read_summary;
+use crate::pipeline::error::RunError;
+use crate::pipeline::read::plan::Plan;
+use crate::pipeline::read::source::InputError;
+use crate::pipeline::show::view::VIEW_FILE;
 use serde_json::Value;
 use std::env;
 use std::path::{Path, PathBuf};

@@ -6,8 +6,8 @@
 //! editors that write in place, that write a new file and rename it, and that keep their files on
 //! another machine; a dozen files cost nothing.
 
-use crate::pipeline::sources::sources;
-use crate::pipeline::stamp::hash_file;
+use crate::pipeline::read::sources::sources;
+use crate::pipeline::record::stamp::hash_file;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
 use std::io;

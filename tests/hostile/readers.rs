@@ -3,11 +3,11 @@
 use peristitch::gmsh::geo_script::GeoScript;
 use peristitch::meshio::container::{self, Outcome};
 use peristitch::meshio::convert;
-use peristitch::pipeline::plan::Plan;
-use peristitch::pipeline::quantity::{self, Dimension};
-use peristitch::pipeline::source::InputError;
-use peristitch::pipeline::stored::Kind;
-use peristitch::pipeline::study::Study;
+use peristitch::pipeline::read::plan::Plan;
+use peristitch::pipeline::read::quantity::{self, Dimension};
+use peristitch::pipeline::read::source::InputError;
+use peristitch::pipeline::record::stored::Kind;
+use peristitch::pipeline::study::sweep::Study;
 use std::path::Path;
 use tempfile::TempDir;
 

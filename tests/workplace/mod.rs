@@ -267,7 +267,8 @@ impl Workplace {
                         .metadata()
                         .and_then(|meta| meta.modified())
                         .expect("a time");
-                    let hash = peristitch::pipeline::stamp::hash_file(&path).expect("readable");
+                    let hash =
+                        peristitch::pipeline::record::stamp::hash_file(&path).expect("readable");
                     let name = path.strip_prefix(self.folder.path()).expect("below it");
                     files.insert(name.to_owned(), (hash, time));
                 }

@@ -1,0 +1,170 @@
+//! What a run costs: times of its phases, bytes of its files, memory; and how a stage's share of that is
+//! kept for the summary of a later run, which finds the stage fresh.
+
+use super::made::{Made, account};
+use crate::phases::{Phase, Phases};
+use crate::statics::SystemSize;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::time::Duration;
+
+/// Of a stage, or of several.
+#[derive(Clone, Debug, Default)]
+pub struct Costs {
+    /// One after the other: they sum to the time of the stages.
+    pub phases: Phases,
+    /// On other threads, meanwhile.
+    pub behind: Phases,
+    /// The frames that the solve has written: their account.
+    pub frames: Value,
+    /// Results of the output stage.
+    pub made: Vec<Made>,
+    /// How many of these were made behind the solve.
+    pub drafted: usize,
+    /// The most memory that the process had held by then [bytes].
+    pub peak_memory: Option<u64>,
+}
+
+impl Costs {
+    pub(crate) fn append(&mut self, costs: Costs) {
+        self.phases.append(costs.phases.list);
+        self.behind.append(costs.behind.list);
+        if !costs.frames.is_null() {
+            self.frames = costs.frames;
+        }
+        self.made.extend(costs.made);
+        self.drafted += costs.drafted;
+        self.peak_memory = self.peak_memory.max(costs.peak_memory);
+    }
+
+    /// For the summary: `phases`, `behind`, `seconds`.
+    pub(crate) fn times(&self) -> [Value; 3] {
+        let whole = self.phases.total();
+        [
+            list(&self.phases, whole),
+            list(&self.behind, whole),
+            json!(whole.as_secs_f64()),
+        ]
+    }
+
+    /// For the summary: what went to the disk.
+    pub(crate) fn written(&self) -> Value {
+        json!({
+            "vtu": account(&self.made, ".vtu"),
+            "pictures": account(&self.made, ".png"),
+            "frames": self.frames,
+            "made_behind_the_solve": self.drafted,
+        })
+    }
+
+    /// For the summary: the most memory beside that of one factor L.
+    pub(crate) fn memory(&self, size: SystemSize) -> Value {
+        let factor = (size_of::<f64>() * size.factor_entries) as u64;
+        json!({
+            "peak_bytes": self.peak_memory,
+            "factor_bytes": factor,
+            "peak_over_factor": self.peak_memory.map(|peak| peak as f64 / factor as f64),
+        })
+    }
+}
+
+fn list(phases: &Phases, whole: Duration) -> Value {
+    let entry = |phase: &Phase| {
+        json!({
+            "phase": phase.name,
+            "count": phase.count,
+            "seconds": phase.time.as_secs_f64(),
+            "share": phase.time.as_secs_f64() / whole.as_secs_f64(),
+        })
+    };
+    phases.list.iter().map(entry).collect()
+}
+
+/// What a manifest keeps of a stage's costs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StoredCosts {
+    phases: Vec<StoredPhase>,
+    behind: Vec<StoredPhase>,
+    frames: Value,
+    peak_memory: Option<u64>,
+}
+
+/// Name, seconds, how often.
+type StoredPhase = (String, f64, usize);
+
+impl From<&Costs> for StoredCosts {
+    fn from(costs: &Costs) -> StoredCosts {
+        let stored = |phases: &Phases| {
+            let list = phases.list.iter();
+            list.map(|p| (p.name.to_string(), p.time.as_secs_f64(), p.count))
+                .collect()
+        };
+        StoredCosts {
+            phases: stored(&costs.phases),
+            behind: stored(&costs.behind),
+            frames: costs.frames.clone(),
+            peak_memory: costs.peak_memory,
+        }
+    }
+}
+
+impl From<StoredCosts> for Costs {
+    fn from(stored: StoredCosts) -> Costs {
+        let phases = |stored: Vec<StoredPhase>| {
+            let mut phases = Phases::default();
+            phases.append(stored.into_iter().map(|(name, seconds, count)| Phase {
+                name: name.into(),
+                time: Duration::try_from_secs_f64(seconds).unwrap_or_default(),
+                count,
+            }));
+            phases
+        };
+        Costs {
+            phases: phases(stored.phases),
+            behind: phases(stored.behind),
+            frames: stored.frames,
+            peak_memory: stored.peak_memory,
+            ..Costs::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_phase_of_a_stage_comes_back_whatever_its_name() {
+        let mut costs = Costs {
+            peak_memory: Some(7),
+            ..Costs::default()
+        };
+        let time = Duration::from_millis(250);
+        costs.phases.add("active zone", time, 3);
+        costs.behind.add("frames", time, 5);
+        let restored = Costs::from(StoredCosts::from(&costs));
+        assert_eq!(restored.phases.list, costs.phases.list);
+        assert_eq!(restored.behind.list, costs.behind.list);
+        assert_eq!(restored.peak_memory, Some(7));
+    }
+
+    #[test]
+    fn memory_stands_beside_the_factor() {
+        let costs = Costs {
+            peak_memory: Some(1200),
+            ..Costs::default()
+        };
+        let size = SystemSize {
+            dofs: 10,
+            stiffness_entries: 40,
+            factor_entries: 100,
+            method: crate::statics::Method::Direct,
+        };
+        let memory = costs.memory(size);
+        assert_eq!(
+            [&memory["factor_bytes"], &memory["peak_bytes"]],
+            [800, 1200]
+        );
+        assert_eq!(memory["peak_over_factor"], 1.5);
+    }
+}

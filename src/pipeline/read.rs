@@ -1,0 +1,13 @@
+//! A pipeline file to a checked [`plan`]: [`spec`] is the file as written, [`reader`] its check.
+
+pub mod files;
+pub mod nesting;
+pub mod plan;
+pub mod quantity;
+pub mod reader;
+pub mod reference;
+pub mod schema;
+pub mod source;
+pub mod sources;
+pub mod spec;
+pub mod yaml;

@@ -1,0 +1,243 @@
+//! The pipeline as written → the plan's numbers; each error carries the key that it concerns.
+
+mod conditions;
+mod loading;
+mod regions;
+
+use super::files::similar_file;
+use super::plan::{GeometryPlan, Probe};
+use super::quantity::{self, Dimension};
+use super::source::{InputError, Source};
+use super::spec::{self, Spec};
+use crate::coupling::Coupling;
+use crate::coupling::truss::NodeArea;
+use crate::fracture::failure::Strength;
+use crate::gmsh::Value;
+use crate::material::Material;
+use crate::meshio::MESHES;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Turns the spec into numbers; every error carries its key.
+pub(crate) struct Reader<'a> {
+    pub source: &'a Source,
+    pub spec: &'a Spec,
+}
+
+impl Reader<'_> {
+    pub(crate) fn name(&self) -> Result<String, InputError> {
+        let name = &self.spec.name;
+        let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
+        if name.is_empty() || name.starts_with('.') || !name.chars().all(plain) {
+            let message = format!("`{name}` cannot name a folder of results");
+            let help = "use letters, digits, `_`, `-` and `.`, such as `plate_mode_i`".to_owned();
+            return Err(self.source.error("name", message, Some(help)));
+        }
+        Ok(name.clone())
+    }
+
+    fn quantity(
+        &self,
+        key: &str,
+        value: &spec::Scalar,
+        expected: Dimension,
+    ) -> Result<f64, InputError> {
+        quantity::parse(&value.0, expected).map_err(|error| {
+            self.source
+                .error(key, error.to_string(), Some(error.help()))
+        })
+    }
+
+    pub(crate) fn positive(
+        &self,
+        key: &str,
+        value: &spec::Scalar,
+        expected: Dimension,
+    ) -> Result<f64, InputError> {
+        let number = self.quantity(key, value, expected)?;
+        if number > 0.0 {
+            return Ok(number);
+        }
+        let help = Some(format!(
+            "write {} greater than zero, such as `{}`",
+            expected.name(),
+            expected.example()
+        ));
+        Err(self
+            .source
+            .error(key, format!("`{}` is not positive", value.0), help))
+    }
+
+    pub(crate) fn geometry(&self) -> Result<GeometryPlan, InputError> {
+        let geometry = &self.spec.geometry;
+        let folder = self.source.path.parent().unwrap_or(Path::new(""));
+        let file = folder.join(&geometry.file);
+        if !file.is_file() {
+            let what = if file.is_dir() {
+                "is a folder"
+            } else {
+                "does not exist"
+            };
+            let message = format!("the geometry file {} {what}", file.display());
+            let nearby = if file.is_dir() { file.join("x") } else { file };
+            let mut help = "the path is relative to the pipeline file".to_owned();
+            let kinds = [&["geo", "msh"][..], &MESHES].concat();
+            if let Some(similar) = similar_file(&nearby, &kinds) {
+                help.push_str(&format!("; {similar}"));
+            }
+            return Err(self.source.error("geometry/file", message, Some(help)));
+        }
+        let unit = spec::Scalar(format!("1 {}", geometry.unit));
+        Ok(GeometryPlan {
+            file,
+            unit_in_metres: self.positive("geometry/unit", &unit, Dimension::LENGTH)?,
+            parameters: geometry
+                .parameters
+                .iter()
+                .map(|(k, v)| (k.clone(), parameter(v)))
+                .collect(),
+            trust: geometry.trust,
+        })
+    }
+
+    pub(crate) fn materials(&self) -> Result<BTreeMap<String, Material>, InputError> {
+        let material = |(name, written): (&String, &spec::Material)| {
+            let key = |field| format!("materials/{name}/{field}");
+            let young = self.positive(&key("young"), &written.young, Dimension::PRESSURE)?;
+            let poisson = self.quantity(&key("poisson"), &written.poisson, Dimension::NUMBER)?;
+            if !(-1.0 < poisson && poisson < 0.5) {
+                let message = format!(
+                    "Poisson's ratio `{}` is not between -1 and 1/2",
+                    written.poisson.0
+                );
+                return Err(self.source.error(&key("poisson"), message, None));
+            }
+            Ok((name.clone(), Material { young, poisson }))
+        };
+        self.spec.materials.iter().map(material).collect()
+    }
+
+    /// What breaks the bonds of a material: its strengths, or its energy release rate.
+    fn strength(&self, name: &str) -> Result<Option<Strength>, InputError> {
+        let written = &self.spec.materials[name];
+        let key = |field: &str| format!("materials/{name}/{field}");
+        let read = |field: &str, value: &Option<spec::Scalar>, dimension| {
+            let value = value.as_ref();
+            value
+                .map(|v| self.positive(&key(field), v, dimension))
+                .transpose()
+        };
+        let tensile = read(
+            "tensile_strength",
+            &written.tensile_strength,
+            Dimension::PRESSURE,
+        )?;
+        let compressive = read(
+            "compressive_strength",
+            &written.compressive_strength,
+            Dimension::PRESSURE,
+        )?;
+        let rate = read(
+            "energy_release_rate",
+            &written.energy_release_rate,
+            Dimension::ENERGY_PER_AREA,
+        )?;
+        match (tensile, compressive, rate) {
+            (None, None, None) => Ok(None),
+            (Some(tensile), compressive, None) => Ok(Some(Strength::Stress {
+                tensile,
+                compressive,
+            })),
+            (None, None, Some(rate)) => Ok(Some(Strength::EnergyReleaseRate(rate))),
+            (None, Some(_), _) => {
+                let message = "a compressive strength needs a tensile strength beside it";
+                let help = Some("add `tensile_strength`".to_owned());
+                Err(self
+                    .source
+                    .error(&key("compressive_strength"), message, help))
+            }
+            (Some(_), _, Some(_)) => {
+                let message = "a material breaks by its strength or by its energy release rate";
+                let help =
+                    Some("remove one of `tensile_strength` and `energy_release_rate`".to_owned());
+                Err(self
+                    .source
+                    .error(&key("energy_release_rate"), message, help))
+            }
+        }
+    }
+
+    pub(crate) fn coupling(&self) -> Result<Coupling, InputError> {
+        match &self.spec.coupling {
+            spec::Coupling::Truss(truss) => self.node_area(&truss.node_area).map(Coupling::Truss),
+            spec::Coupling::Clip => Ok(Coupling::Clip),
+            spec::Coupling::Splice => Ok(Coupling::Splice),
+        }
+    }
+
+    fn node_area(&self, written: &spec::Scalar) -> Result<NodeArea, InputError> {
+        match written.0.as_str() {
+            "lumped" => Ok(NodeArea::Lumped),
+            "half-edge" => Ok(NodeArea::HalfEdge),
+            text if !text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) => {
+                let message = format!("`{text}` is no way to find an interface node's area");
+                let help = "write `lumped`, `half-edge` or an area such as `12.5 mm^2`".to_owned();
+                Err(self
+                    .source
+                    .error("coupling/truss/node_area", message, Some(help)))
+            }
+            _ => self
+                .positive("coupling/truss/node_area", written, Dimension::AREA)
+                .map(NodeArea::Given),
+        }
+    }
+
+    /// An angle [rad].
+    fn angle(&self, key: &str, written: &spec::Scalar) -> Result<f64, InputError> {
+        let text = written.0.trim();
+        let degrees = text.strip_suffix("deg").or(text.strip_suffix('°'));
+        let number = degrees.or(text.strip_suffix("rad")).unwrap_or(text);
+        let value: f64 = match number.trim().parse() {
+            Ok(value) if f64::is_finite(value) => value,
+            _ => {
+                let help = "write degrees, `20 deg`, or radians, `0.35`";
+                let message = format!("`{text}` is not an angle");
+                return Err(self.source.error(key, message, Some(help.to_owned())));
+            }
+        };
+        Ok(if degrees.is_some() {
+            value.to_radians()
+        } else {
+            value
+        })
+    }
+
+    pub(crate) fn probes(&self) -> Result<Vec<Probe>, InputError> {
+        let read = |(name, probe): (&String, &spec::Probe)| {
+            let key = |field: &str| format!("probes/{name}/{field}");
+            let at =
+                |k: usize| self.quantity(&key(&format!("at/{k}")), &probe.at[k], Dimension::LENGTH);
+            let reference = probe.reference.as_ref();
+            Ok(Probe {
+                name: name.clone(),
+                at: [at(0)?, at(1)?],
+                axis: match probe.component {
+                    spec::Component::X => 0,
+                    spec::Component::Y => 1,
+                },
+                reference: reference
+                    .map(|value| self.quantity(&key("reference"), value, Dimension::LENGTH))
+                    .transpose()?,
+            })
+        };
+        self.spec.probes.iter().map(read).collect()
+    }
+}
+
+/// A `.geo` parameter is a number where it reads as one.
+fn parameter(written: &spec::Scalar) -> Value {
+    match written.0.parse() {
+        Ok(number) => Value::Number(number),
+        Err(_) => Value::Text(written.0.clone()),
+    }
+}

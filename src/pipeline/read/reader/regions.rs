@@ -1,0 +1,257 @@
+//! `regions`: models, materials and lattices.
+
+use super::Reader;
+use crate::material::{Material, PlaneState};
+use crate::model::{Method, PeridynamicSettings};
+use crate::peridynamics::kernel::{Kernel, PartialArea};
+use crate::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
+use crate::peridynamics::surface::SurfaceCorrection;
+use crate::pipeline::read::plan::RegionPlan;
+use crate::pipeline::read::quantity::{self, Dimension};
+use crate::pipeline::read::source::{InputError, choices};
+use crate::pipeline::read::spec;
+use std::collections::BTreeMap;
+
+/// Poisson's ratio may differ by this much from 1/3 or 1/4, so that 0.3333333 is accepted.
+const POISSON_TOLERANCE: f64 = 1e-6;
+
+/// Horizons of fewer spacings hold too few bonds for an isotropic material.
+const SMALLEST_HORIZON: f64 = 2.0;
+/// Larger families than these 1 250 neighbours are a slip of the pen.
+const LARGEST_HORIZON: f64 = 20.0;
+
+impl Reader<'_> {
+    pub(crate) fn regions(
+        &self,
+        materials: &BTreeMap<String, Material>,
+        plane: PlaneState,
+    ) -> Result<Vec<RegionPlan>, InputError> {
+        if self.spec.regions.is_empty() {
+            let help =
+                Some("name a physical surface and its model: `fem` or `peridynamics`".to_owned());
+            return Err(self.source.error("regions", "there is no region", help));
+        }
+        let read = |(index, region): (usize, &spec::Region)| {
+            let key = |field: &str| format!("regions/{index}/{field}");
+            let material = *materials.get(&region.material).ok_or_else(|| {
+                let message = format!("material `{}` is not defined", region.material);
+                let help = choices(&region.material, materials.keys().map(String::as_str));
+                self.source.error(&key("material"), message, Some(help))
+            })?;
+            let method = match region.model {
+                spec::RegionModel::Fem => self.finite_elements(index, region)?,
+                spec::RegionModel::Peridynamics => {
+                    self.check_poisson(region, &material, plane)?;
+                    self.peridynamics(index, region)?
+                }
+            };
+            Ok(RegionPlan {
+                groups: region.group.0.clone(),
+                material_name: region.material.clone(),
+                material,
+                strength: self.strength(&region.material)?,
+                method,
+                angle_by_default: region.angle.is_none(),
+            })
+        };
+        self.spec.regions.iter().enumerate().map(read).collect()
+    }
+
+    fn check_poisson(
+        &self,
+        region: &spec::Region,
+        material: &Material,
+        plane: PlaneState,
+    ) -> Result<(), InputError> {
+        let needed = plane.bond_based_poisson();
+        if (material.poisson - needed).abs() <= POISSON_TOLERANCE {
+            return Ok(());
+        }
+        let (state, fraction) = match plane {
+            PlaneState::Stress => ("stress", "1/3"),
+            PlaneState::Strain => ("strain", "1/4"),
+        };
+        let message = format!(
+            "material `{}` has ν = {}, but bonds in plane {state} can only have ν = {fraction}",
+            region.material, self.spec.materials[&region.material].poisson.0
+        );
+        let help = format!(
+            "bonds are central forces: set `poisson: {fraction}` in `{}`, or give this region \
+             `model: fem`",
+            region.material
+        );
+        let place = format!("materials/{}/poisson", region.material);
+        Err(self.source.error(&place, message, Some(help)))
+    }
+
+    fn finite_elements(&self, index: usize, region: &spec::Region) -> Result<Method, InputError> {
+        let lattice_keys = [
+            ("spacing", region.spacing.is_some()),
+            ("horizon", region.horizon.is_some()),
+            ("kernel", region.kernel.is_some()),
+            ("points", region.points.is_some()),
+            ("angle", region.angle.is_some()),
+            ("origin", region.origin.is_some()),
+            ("cell_area", region.cell_area.is_some()),
+            ("partial_area", region.partial_area.is_some()),
+            ("micromodulus", region.micromodulus.is_some()),
+            ("surface_correction", region.surface_correction.is_some()),
+        ];
+        match lattice_keys.iter().find(|(_, given)| *given) {
+            Some((name, _)) => Err(self.source.error(
+                &format!("regions/{index}/{name}"),
+                format!("`{name}` belongs to peridynamic regions, and this one is `model: fem`"),
+                Some(format!("remove `{name}`, or write `model: peridynamics`")),
+            )),
+            None => Ok(Method::FiniteElements),
+        }
+    }
+
+    fn peridynamics(&self, index: usize, region: &spec::Region) -> Result<Method, InputError> {
+        let key = |field: &str| format!("regions/{index}/{field}");
+        let missing = |field: &str, example: &str| {
+            let message = format!("a peridynamic region needs a `{field}`");
+            self.source.error(
+                &format!("regions/{index}"),
+                message,
+                Some(format!("add `{example}`")),
+            )
+        };
+        let spacing = region
+            .spacing
+            .as_ref()
+            .ok_or_else(|| missing("spacing", "spacing: 0.5 mm"))?;
+        let spacing = self.positive(&key("spacing"), spacing, Dimension::LENGTH)?;
+        let written = region
+            .horizon
+            .as_ref()
+            .ok_or_else(|| missing("horizon", "horizon: 4"))?;
+        let lattice = LatticeSettings {
+            spacing,
+            placement: region.points.map_or(Placement::CellCentred, placement),
+            cell_area: region.cell_area.map_or(CellArea::Clipped, cell_area),
+            angle: self.lattice_angle(index, region)?,
+            origin: self.lattice_origin(index, region)?,
+        };
+        self.check_clip(index, region)?;
+        Ok(Method::Peridynamics(PeridynamicSettings {
+            lattice,
+            horizon_ratio: self.horizon(&key("horizon"), written, spacing)?,
+            kernel: region.kernel.map_or(Kernel::Quartic, kernel),
+            partial_area: region.partial_area.map_or(PartialArea::Full, partial_area),
+            isotropised: !matches!(region.micromodulus, Some(spec::Micromodulus::Raw)),
+            surface_correction: region
+                .surface_correction
+                .map_or(SurfaceCorrection::Force, surface_correction),
+        }))
+    }
+
+    /// The lattice's angle to the x axis [rad].
+    fn lattice_angle(&self, index: usize, region: &spec::Region) -> Result<f64, InputError> {
+        let written = region.angle.as_ref();
+        written.map_or(Ok(0.0), |a| {
+            self.angle(&format!("regions/{index}/angle"), a)
+        })
+    }
+
+    fn lattice_origin(
+        &self,
+        index: usize,
+        region: &spec::Region,
+    ) -> Result<Option<[f64; 2]>, InputError> {
+        let Some([x, y]) = &region.origin else {
+            return Ok(None);
+        };
+        let at = |k: usize, written| {
+            let key = format!("regions/{index}/origin/{k}");
+            self.quantity(&key, written, Dimension::LENGTH)
+        };
+        Ok(Some([at(0, x)?, at(1, y)?]))
+    }
+
+    /// Clipped bonds and finite elements must have one elasticity.
+    fn check_clip(&self, index: usize, region: &spec::Region) -> Result<(), InputError> {
+        let is_clip = matches!(self.spec.coupling, spec::Coupling::Clip);
+        if !is_clip || !matches!(region.micromodulus, Some(spec::Micromodulus::Raw)) {
+            return Ok(());
+        }
+        let message = "the clip needs a lattice with the finite elements' moduli, and a raw \
+                       micromodulus has others: 0.6 % of a uniform strain would be wrong beside the \
+                       interface"
+            .to_owned();
+        let help = "remove `micromodulus`, or write `micromodulus: isotropised`".to_owned();
+        let key = format!("regions/{index}/micromodulus");
+        Err(self.source.error(&key, message, Some(help)))
+    }
+
+    /// m = δ/dx from a number of spacings or a length.
+    fn horizon(&self, key: &str, written: &spec::Scalar, spacing: f64) -> Result<f64, InputError> {
+        let fail = |message: String, help: String| Err(self.source.error(key, message, Some(help)));
+        let ratio = match quantity::parse_any(&written.0) {
+            Ok((number, None)) => number,
+            _ => self.quantity(key, written, Dimension::LENGTH)? / spacing,
+        };
+        if ratio < SMALLEST_HORIZON * (1.0 - 1e-9) {
+            return fail(
+                format!(
+                    "a horizon of {} is {ratio:.3} spacings, less than {SMALLEST_HORIZON}",
+                    written.0
+                ),
+                "give it in spacings (`horizon: 4`) or as a length; 3 to 5 spacings are usual"
+                    .into(),
+            );
+        }
+        if ratio > LARGEST_HORIZON {
+            return fail(
+                format!(
+                    "a horizon of {} is {ratio:.3} spacings, more than {LARGEST_HORIZON}",
+                    written.0
+                ),
+                "a number without a unit counts spacings: `horizon: 4`; a length needs a unit"
+                    .into(),
+            );
+        }
+        Ok(ratio)
+    }
+}
+
+fn kernel(written: spec::Kernel) -> Kernel {
+    match written {
+        spec::Kernel::Quartic => Kernel::Quartic,
+        spec::Kernel::Constant => Kernel::Constant,
+        spec::Kernel::Linear => Kernel::Linear,
+        spec::Kernel::Parabolic => Kernel::Parabolic,
+        spec::Kernel::Inverse => Kernel::Inverse,
+    }
+}
+
+fn placement(written: spec::Points) -> Placement {
+    match written {
+        spec::Points::CellCentred => Placement::CellCentred,
+        spec::Points::GridNodes => Placement::GridNodes,
+    }
+}
+
+fn cell_area(written: spec::CellArea) -> CellArea {
+    match written {
+        spec::CellArea::Full => CellArea::Full,
+        spec::CellArea::Clipped => CellArea::Clipped,
+    }
+}
+
+fn partial_area(written: spec::PartialArea) -> PartialArea {
+    match written {
+        spec::PartialArea::Full => PartialArea::Full,
+        spec::PartialArea::Hhb => PartialArea::Hhb,
+    }
+}
+
+fn surface_correction(written: spec::SurfaceCorrection) -> SurfaceCorrection {
+    match written {
+        spec::SurfaceCorrection::None => SurfaceCorrection::None,
+        spec::SurfaceCorrection::Volume => SurfaceCorrection::Volume,
+        spec::SurfaceCorrection::Energy => SurfaceCorrection::Energy,
+        spec::SurfaceCorrection::Force => SurfaceCorrection::Force,
+        spec::SurfaceCorrection::LeastSquares => SurfaceCorrection::LeastSquares,
+    }
+}

@@ -1,0 +1,11 @@
+//! What the stages keep on the disk between and during runs, and how it is read back.
+
+pub mod bits;
+pub mod checkpoint;
+pub mod folder;
+pub mod frames;
+pub mod history;
+pub mod solved;
+pub mod stamp;
+pub mod stored;
+pub mod writer;

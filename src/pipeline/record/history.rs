@@ -1,0 +1,104 @@
+//! `history.csv`: a line for each load step or event, written as the run goes.
+
+use crate::boundary::Boundary;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+/// One line: a load step, or an event.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Line {
+    pub step: usize,
+    /// Index of the phase of the programme.
+    pub phase: usize,
+    /// λ of the phase [-].
+    pub load_factor: f64,
+    /// The largest λ of the phase so far [-].
+    pub envelope_load_factor: f64,
+    /// μ, the share of all loads that acts [-].
+    pub load_share: f64,
+    /// The largest prescribed displacement of the moment [m].
+    pub grip_displacement: f64,
+    /// Largest resultant on a group with prescribed displacements [N].
+    pub reaction: f64,
+    /// [J].
+    pub elastic_energy: f64,
+    /// [J].
+    pub dissipated_energy: f64,
+    /// [J].
+    pub external_work: f64,
+    pub bonds_broken: usize,
+    pub bonds_broken_total: usize,
+    pub passes: usize,
+    /// Largest relative residual of the step's solves.
+    pub residual: f64,
+    /// Energy that the broken bonds took at their critical stretch, over the energy release rate [m].
+    pub crack_length: f64,
+    /// Resultant on each group that prescribes displacements, in alphabetical order [N].
+    pub reactions: Vec<[f64; 2]>,
+}
+
+const COLUMNS: &str = "step,phase,load_factor,envelope_load_factor,load_share,grip_displacement_m,\
+                       reaction_n,elastic_energy_j,dissipated_energy_j,external_work_j,bonds_broken,\
+                       bonds_broken_total,passes,residual,crack_length_m";
+
+/// The names of the columns; two for each group that prescribes displacements.
+pub(crate) fn header(supports: &Boundary) -> String {
+    let groups: BTreeSet<&str> = (supports.prescribed.values())
+        .map(|(_, group)| group.as_str())
+        .collect();
+    let mut header = COLUMNS.to_owned();
+    for group in groups {
+        for axis in ["x", "y"] {
+            header += &format!(",{}", quoted(&format!("reaction_{group}_{axis}_n")));
+        }
+    }
+    header
+}
+
+/// As RFC 4180 has it.
+pub(crate) fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
+impl Line {
+    /// `phase`: its name, where there are several.
+    pub(crate) fn csv(&self, phase: &str) -> String {
+        let mut text = format!(
+            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
+            self.step,
+            quoted(phase),
+            self.load_factor,
+            self.envelope_load_factor,
+            self.load_share,
+            self.grip_displacement,
+            self.reaction,
+            self.elastic_energy,
+            self.dissipated_energy,
+            self.external_work,
+            self.bonds_broken,
+            self.bonds_broken_total,
+            self.passes,
+            self.residual,
+            self.crack_length
+        );
+        for force in self.reactions.iter().flatten() {
+            text += &format!(",{force}");
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_with_a_comma_or_a_quote_stays_one_cell() {
+        assert_eq!(quoted("top"), "top");
+        assert_eq!(quoted("a, \"b\""), "\"a, \"\"b\"\"\"");
+    }
+}

@@ -1,0 +1,216 @@
+//! History, frames and checkpoints go to the disk behind the solve, on a thread of their own, in the
+//! order in which they were handed over: what a killed run leaves is what it would have left if the
+//! solve had waited for every write, up to some moment.
+
+use super::checkpoint::{Checkpoint, Ledger};
+use super::folder::{file_error, remove};
+use super::frames::{Frame, encode, frame_file};
+use super::history::Line;
+use super::stamp;
+use crate::output::{partial_name, write_whole};
+use crate::phases::Phases;
+use crate::pipeline::account::made::Made;
+use crate::pipeline::error::RunError;
+use crate::trace::Trace;
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::{Builder, Scope, ScopedJoinHandle};
+
+pub const HISTORY_FILE: &str = "history.csv";
+pub(crate) const CHECKPOINT_FILE: &str = ".stamps/checkpoint.bin";
+pub(crate) const JOURNAL_FILE: &str = ".stamps/journal.bin";
+
+/// So many steps may wait to be written before the solve waits for them: a slow disk holds the solve
+/// up, and does not fill the memory.
+const MOST_WAITING: usize = 4;
+
+/// What a step leaves.
+#[derive(Default)]
+pub(crate) struct Order {
+    /// The line as it stands in the history, and for the journal.
+    pub line: Option<(String, Line)>,
+    pub frame: Option<Arc<Frame>>,
+    pub checkpoint: Option<Box<Checkpoint>>,
+}
+
+/// The end of the queue at which orders are given.
+pub(crate) struct Scribe<'scope> {
+    orders: SyncSender<Order>,
+    thread: ScopedJoinHandle<'scope, Result<Written, RunError>>,
+}
+
+/// What a run has put on the disk along the way.
+pub(crate) struct Written {
+    pub frames: Vec<Made>,
+    pub phases: Phases,
+}
+
+impl<'scope> Scribe<'scope> {
+    /// Goes on behind what the files hold, and `ledger` knows.
+    pub fn start(
+        scope: &'scope Scope<'scope, '_>,
+        folder: &Path,
+        ledger: Ledger,
+        trace: Trace,
+    ) -> Result<Scribe<'scope>, RunError> {
+        let desk = Desk {
+            folder: folder.to_owned(),
+            ledger,
+            history: Appended::open(folder.join(HISTORY_FILE))?,
+            journal: Appended::open(folder.join(JOURNAL_FILE))?,
+            written: Written {
+                frames: Vec::new(),
+                phases: Phases::traced(trace),
+            },
+        };
+        let (orders, queue) = sync_channel(MOST_WAITING);
+        let thread = Builder::new().name("writer".to_owned());
+        let thread = thread.spawn_scoped(scope, move || desk.work(&queue));
+        let thread = thread.map_err(|source| file_error("write to", folder, source))?;
+        Ok(Scribe { orders, thread })
+    }
+
+    /// Hands an order over. `false`: the thread has met an error, which [`Scribe::finish`] tells.
+    #[must_use]
+    pub fn give(&self, order: Order) -> bool {
+        self.orders.send(order).is_ok()
+    }
+
+    /// Waits until everything is on the disk.
+    ///
+    /// # Errors
+    /// What could not be written first; nothing after it has been.
+    pub fn finish(self) -> Result<Written, RunError> {
+        drop(self.orders);
+        match self.thread.join() {
+            Ok(written) => written,
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+    }
+}
+
+/// The thread's own.
+struct Desk {
+    folder: PathBuf,
+    ledger: Ledger,
+    history: Appended,
+    journal: Appended,
+    written: Written,
+}
+
+impl Desk {
+    fn work(mut self, queue: &Receiver<Order>) -> Result<Written, RunError> {
+        for order in queue {
+            self.write(order)?;
+        }
+        Ok(self.written)
+    }
+
+    /// A checkpoint comes last: it counts on the lines and the frames before it.
+    fn write(&mut self, order: Order) -> Result<(), RunError> {
+        let Desk {
+            folder,
+            ledger,
+            history,
+            journal,
+            written: Written { frames, phases },
+        } = self;
+        if let Some((text, line)) = &order.line {
+            phases.measure("history", || {
+                history.add(format!("{text}\n").as_bytes())?;
+                let bytes = encode(line);
+                ledger.add_line(&bytes);
+                journal.add(&bytes)
+            })?;
+        }
+        if let Some(frame) = &order.frame {
+            let trace = phases.trace().clone();
+            let write = || {
+                Made::measured(frame_file(frame.step), &trace, |name| {
+                    let bytes = encode(&**frame);
+                    ledger.add_frame(&stamp::hash(&bytes));
+                    write_whole(&folder.join(name), &bytes)?;
+                    Ok::<_, RunError>([frame.raw_bytes(), bytes.len() as u64])
+                })
+            };
+            frames.push(phases.measure("frames", write)?);
+        }
+        if let Some(mut checkpoint) = order.checkpoint {
+            checkpoint.ledger = ledger.close();
+            let path = folder.join(CHECKPOINT_FILE);
+            phases.measure("checkpoints", || {
+                write_whole(&path, &sealed(&encode(&*checkpoint)))
+            })?;
+        }
+        Ok(())
+    }
+}
+
+/// A file that only grows.
+struct Appended {
+    path: PathBuf,
+    file: File,
+}
+
+impl Appended {
+    fn open(path: PathBuf) -> Result<Appended, RunError> {
+        match File::options().append(true).open(&path) {
+            Ok(file) => Ok(Appended { path, file }),
+            Err(source) => Err(file_error("write", &path, source)),
+        }
+    }
+
+    fn add(&mut self, bytes: &[u8]) -> Result<(), RunError> {
+        let Appended { path, file } = self;
+        let added = file.write_all(bytes);
+        added.map_err(|source| file_error("write", path, source))
+    }
+}
+
+/// The first lines of the journal, the history as it is in memory, where there are as many.
+pub(crate) fn read_journal(folder: &Path, count: usize) -> Option<Vec<Line>> {
+    let bytes = fs::read(folder.join(JOURNAL_FILE)).unwrap_or_default();
+    let mut rest = bytes.as_slice();
+    let mut line = || {
+        let (line, after) = postcard::take_from_bytes(rest).ok()?;
+        rest = after;
+        Some(line)
+    };
+    (0..count).map(|_| line()).collect()
+}
+
+/// Lets both begin with these lines.
+pub(crate) fn begin_history(folder: &Path, text: &str, lines: &[Line]) -> Result<(), RunError> {
+    write_whole(&folder.join(HISTORY_FILE), text.as_bytes())?;
+    let bytes: Vec<u8> = lines.iter().flat_map(encode).collect();
+    Ok(write_whole(&folder.join(JOURNAL_FILE), &bytes)?)
+}
+
+/// An interrupted run cannot go on from here.
+pub(crate) fn forget_checkpoint(folder: &Path) -> Result<(), RunError> {
+    for file in [CHECKPOINT_FILE, JOURNAL_FILE] {
+        let path = folder.join(file);
+        remove(&partial_name(&path))?;
+        remove(&path)?;
+    }
+    Ok(())
+}
+
+/// The checkpoint that an interrupted run has left.
+pub(crate) fn read_checkpoint(folder: &Path) -> Option<Checkpoint> {
+    let bytes = fs::read(folder.join(CHECKPOINT_FILE)).ok()?;
+    postcard::from_bytes(unsealed(&bytes)?).ok()
+}
+
+/// The hash of a text before it: what a loss of power or a bad disk leaves of it is not taken for a state.
+fn sealed(bytes: &[u8]) -> Vec<u8> {
+    [blake3::hash(bytes).as_bytes(), bytes].concat()
+}
+
+pub(crate) fn unsealed(sealed: &[u8]) -> Option<&[u8]> {
+    let (hash, bytes) = sealed.split_first_chunk()?;
+    (blake3::hash(bytes).as_bytes() == hash).then_some(bytes)
+}

@@ -1,0 +1,15 @@
+//! The results that people and other programs look at: VTU parts, pictures, report, ParaView script.
+
+pub mod animation;
+pub mod charts;
+pub mod damage_picture;
+pub mod deformed;
+pub mod drafter;
+pub mod maps;
+pub mod mesh_picture;
+pub mod parts;
+pub mod pictures;
+pub mod report;
+pub mod results;
+pub mod view;
+pub mod workshop;

@@ -1,0 +1,160 @@
+//! Maps of displacement and stress on the deformed shape.
+
+use super::deformed::Deformed;
+use crate::fields::NodalFields;
+use crate::fields::points::PointFields;
+use crate::model::Model;
+use crate::output::picture::FieldPicture;
+use crate::pipeline::read::plan::Plan;
+use crate::pipeline::record::frames::Frame;
+
+/// What a stress map shows of σ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Measure {
+    Xx,
+    Yy,
+    Xy,
+    /// The largest principal stress, that out of the plane included.
+    Principal,
+    VonMises,
+}
+
+impl Measure {
+    /// Of xx, yy, zz, xy [Pa].
+    fn of(self, [xx, yy, zz, xy]: [f64; 4]) -> f64 {
+        match self {
+            Measure::Xx => xx,
+            Measure::Yy => yy,
+            Measure::Xy => xy,
+            Measure::Principal => {
+                let radius = ((xx - yy) / 2.0).hypot(xy);
+                ((xx + yy) / 2.0 + radius).max(zz)
+            }
+            Measure::VonMises => {
+                let squares = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
+                (squares / 2.0 + 3.0 * xy * xy).sqrt()
+            }
+        }
+    }
+
+    /// The name of its picture.
+    pub fn stem(self) -> &'static str {
+        match self {
+            Measure::Xx => "stress_xx",
+            Measure::Yy => "stress_yy",
+            Measure::Xy => "stress_xy",
+            Measure::Principal => "principal_stress",
+            Measure::VonMises => "von_mises",
+        }
+    }
+
+    /// What the reader of a report calls it.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Measure::Xx => "Stress σ_xx",
+            Measure::Yy => "Stress σ_yy",
+            Measure::Xy => "Stress σ_xy",
+            Measure::Principal => "Largest principal stress",
+            Measure::VonMises => "Von Mises stress",
+        }
+    }
+
+    /// In words, and as a symbol.
+    fn names(self) -> [&'static str; 2] {
+        match self {
+            Measure::Xx => ["stress σ_xx", "σ_xx"],
+            Measure::Yy => ["stress σ_yy", "σ_yy"],
+            Measure::Xy => ["stress σ_xy", "σ_xy"],
+            Measure::Principal => ["largest principal stress", "σ_1"],
+            Measure::VonMises => ["von Mises stress", "σ_vM"],
+        }
+    }
+}
+
+/// u_x or u_y.
+pub(crate) fn displacement_map(
+    plan: &Plan,
+    model: &Model,
+    axis: usize,
+    step: Option<usize>,
+    displacement: &[[f64; 2]],
+) -> FieldPicture {
+    let body = Deformed::new(model, displacement);
+    let nodes: Vec<Vec<u32>> = (0..model.elements.len())
+        .map(|element| model.element_nodes(element))
+        .collect();
+    let symbol = format!("u_{}", ['x', 'y'][axis]);
+    let points = &displacement[model.fe_node_count()..];
+    FieldPicture {
+        title: title(plan, &format!("displacement {symbol}"), step),
+        quantity: symbol,
+        unit: "m".to_owned(),
+        is_signed: true,
+        deformation_scale: body.exaggeration,
+        facets: body.facets(|element, node| displacement[nodes[element][node] as usize][axis]),
+        squares: body.squares(points.iter().map(|u| u[axis])),
+        lines: body.interfaces(),
+        ..FieldPicture::default()
+    }
+}
+
+/// σ at the elements' nodes, averaged where elements of one material meet, and at the material points.
+pub(crate) fn stress_map(
+    plan: &Plan,
+    model: &Model,
+    measure: Measure,
+    step: Option<usize>,
+    frame: &Frame,
+) -> FieldPicture {
+    let body = Deformed::new(model, &frame.displacement);
+    let nodal = NodalFields::new(model, &frame.displacement);
+    let points = PointFields::new(model, &frame.displacement, &frame.intact);
+    let [words, symbol] = measure.names();
+    FieldPicture {
+        title: title(plan, words, step),
+        quantity: symbol.to_owned(),
+        unit: "Pa".to_owned(),
+        is_signed: true,
+        deformation_scale: body.exaggeration,
+        facets: body
+            .facets(|element, node| measure.of(nodal.stress[nodal.element_copies[element][node]])),
+        squares: body.squares(points.stress.iter().map(|&stress| measure.of(stress))),
+        lines: body.interfaces(),
+        ..FieldPicture::default()
+    }
+}
+
+/// The pipeline's name, what is shown, and when.
+pub(crate) fn title(plan: &Plan, what: &str, step: Option<usize>) -> String {
+    match step {
+        Some(step) => format!("{}: {what} at step {step}", plan.name),
+        None => format!("{}: {what}", plan.name),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn measures_of_known_states() {
+        let of = |stress: [f64; 4]| {
+            [
+                Measure::Xx,
+                Measure::Yy,
+                Measure::Xy,
+                Measure::Principal,
+                Measure::VonMises,
+            ]
+            .map(|measure| measure.of(stress))
+        };
+        // Uniaxial tension; pure shear; hydrostatic pressure.
+        assert_eq!(of([0.0, 5.0, 0.0, 0.0]), [0.0, 5.0, 0.0, 5.0, 5.0]);
+        let [.., principal, mises] = of([0.0, 0.0, 0.0, 2.0]);
+        assert_eq!(principal, 2.0);
+        assert!((mises - 2.0 * 3_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(of([-3.0, -3.0, -3.0, 0.0]), [-3.0, -3.0, 0.0, -3.0, 0.0]);
+        // Out of the plane the stress may be the largest one.
+        assert_eq!(Measure::Principal.of([-3.0, -2.0, 1.0, 0.0]), 1.0);
+    }
+}

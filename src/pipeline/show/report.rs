@@ -1,0 +1,405 @@
+//! `report.html`: what a person asks of a run, on one page. Times and memory, which differ from run to run,
+//! stay in `summary.json`: the same run gives the same page.
+
+mod page;
+
+use super::animation::Reel;
+use super::charts::load_displacement;
+use super::pictures::Sheet;
+use super::results::Outcome;
+use crate::output::write_whole;
+use crate::pipeline::account::made::Made;
+use crate::pipeline::error::ResultsError;
+use crate::pipeline::error::RunError;
+use crate::pipeline::read::spec::Format;
+use page::{Figure, FramePicture, HistoryPoint, Input, Report};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+pub const REPORT_FILE: &str = "report.html";
+
+/// A larger `.geo` is named, not shown [bytes].
+const LARGEST_SCRIPT: u64 = 200_000;
+/// The slider's pictures together, before they become text [bytes].
+const MOST_FRAMES: usize = 2_500_000;
+/// Reactions below this share of the largest are what rounding leaves of zero.
+const ROUNDING: f64 = 1e-9;
+/// Points of the chart that can be pointed at.
+const MOST_POINTS: usize = 1000;
+/// Of the summary, what differs from run to run, or has a place of its own.
+const LEFT_OUT: [&str; 9] = [
+    "pipeline",
+    "phases",
+    "seconds",
+    "behind",
+    "written",
+    "memory",
+    "peak_memory_bytes",
+    "files",
+    "frames",
+];
+
+impl Outcome<'_> {
+    /// Writes the page into `folder`, where the pictures are.
+    ///
+    /// # Errors
+    /// A file that cannot be read or written.
+    pub(crate) fn report(
+        &self,
+        folder: &Path,
+        made: &[Made],
+        reel: Option<&Reel>,
+        summary: &Value,
+    ) -> Result<(), RunError> {
+        let report = Report {
+            title: self.plan.name.clone(),
+            outcome: self.headline(summary),
+            numbers: numbers(summary),
+            frames: match reel {
+                Some(reel) => self.frames(reel)?,
+                None => Vec::new(),
+            },
+            chart: self.chart()?,
+            pictures: self.figures(folder, made),
+            inputs: self.inputs(),
+            table: table(summary),
+        };
+        let html = report.to_html();
+        let path = folder.join(REPORT_FILE);
+        Ok(write_whole(&path, html.as_bytes())?)
+    }
+
+    fn headline(&self, summary: &Value) -> String {
+        let version = &summary["versions"];
+        let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+        format!(
+            "{}. peristitch {}, Gmsh {}",
+            text(&summary["outcome"]),
+            text(&version["peristitch"]),
+            text(&version["gmsh"])
+        )
+    }
+
+    fn frames(&self, reel: &Reel) -> Result<Vec<FramePicture>, RunError> {
+        let course = self.solved.fracture.as_ref();
+        let mut frames = Vec::new();
+        for (&step, still) in reel.steps.iter().zip(&reel.stills) {
+            let png = still.to_png().map_err(ResultsError::from)?;
+            let line = course.and_then(|c| c.history.iter().find(|line| line.step == step));
+            let text = match line {
+                Some(line) => format!(
+                    "step {step}: load factor {:.4}, reaction {}, {} bonds broken",
+                    line.load_factor,
+                    quantity(line.reaction, "N"),
+                    line.bonds_broken_total
+                ),
+                None => format!("step {step}: before the first load"),
+            };
+            frames.push(FramePicture { step, text, png });
+        }
+        Ok(fitting(frames))
+    }
+
+    fn chart(&self) -> Result<Option<(String, Vec<HistoryPoint>)>, RunError> {
+        let Some(course) = self
+            .solved
+            .fracture
+            .as_ref()
+            .filter(|c| !c.history.is_empty())
+        else {
+            return Ok(None);
+        };
+        let chart = load_displacement(self.plan, course);
+        let composition = chart.compose().map_err(ResultsError::from)?;
+        let svg = composition.svg().map_err(ResultsError::from)?;
+        // The curve begins with the origin, where there is no step.
+        let places = chart.curves.iter().take(1).flat_map(|c| &c.points).skip(1);
+        let points: Vec<HistoryPoint> = course
+            .history
+            .iter()
+            .zip(places)
+            .map(|(line, &[x, y])| HistoryPoint {
+                step: line.step,
+                at: composition.place_of([x, y]),
+                text: format!(
+                    "step {}: {} = {}, reaction {}",
+                    line.step,
+                    chart.x.name,
+                    quantity(x, &chart.x.unit),
+                    quantity(y, "N")
+                ),
+            })
+            .collect();
+        let is_kept = |(index, point): &(usize, HistoryPoint)| {
+            let every = points.len().div_ceil(MOST_POINTS);
+            index % every == 0 || course.frames.contains(&point.step)
+        };
+        let kept = points.iter().cloned().enumerate().filter(is_kept);
+        let kept = kept.map(|(_, point)| point).collect();
+        Ok(Some((svg, kept)))
+    }
+
+    /// The pictures as they were written; those of chosen steps are the slider's business.
+    fn figures(&self, folder: &Path, made: &[Made]) -> Vec<Figure> {
+        let sheets = self.sheets().into_iter();
+        let sheets = sheets.filter(|sheet| !matches!(sheet, Sheet::DamageAt(_)));
+        let figure = |sheet: Sheet| {
+            let formats = [(Format::Png, "image/png"), (Format::Svg, "image/svg+xml")];
+            let mut there = formats.into_iter().map(|(f, kind)| (sheet.file(f), kind));
+            let (file, kind) = there.find(|(file, _)| made.iter().any(|m| m.name == *file))?;
+            // Written a moment ago; a page without it is still a page.
+            let bytes = fs::read(folder.join(file)).ok()?;
+            Some(Figure {
+                caption: sheet.describe(),
+                kind,
+                bytes,
+            })
+        };
+        sheets.filter_map(figure).collect()
+    }
+
+    fn inputs(&self) -> Vec<Input> {
+        let source = &self.plan.source;
+        let mut inputs = vec![Input {
+            name: format!("{}, as it was run", name_of(&source.path)),
+            text: source.text().to_owned(),
+        }];
+        if !source.overrides().is_empty() {
+            let changes = source.overrides().iter();
+            let changes = changes.map(|(key, value)| format!("{}={value}", key.replace('/', ".")));
+            inputs.push(Input {
+                name: "what --set changed in it".to_owned(),
+                text: changes.collect::<Vec<_>>().join("\n"),
+            });
+        }
+        let file = &self.plan.geometry.file;
+        let is_script = file.extension().is_some_and(|e| e == "geo");
+        let is_short = fs::metadata(file).is_ok_and(|data| data.len() <= LARGEST_SCRIPT);
+        let text = (is_script && is_short)
+            .then(|| fs::read(file).ok())
+            .flatten();
+        inputs.push(Input {
+            name: name_of(file),
+            text: match text {
+                Some(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
+                None => "(not shown)".to_owned(),
+            },
+        });
+        inputs
+    }
+}
+
+fn name_of(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// Every second one is left out until they fit, but the last.
+fn fitting(mut frames: Vec<FramePicture>) -> Vec<FramePicture> {
+    while frames.len() > 2 && frames.iter().map(|f| f.png.len()).sum::<usize>() > MOST_FRAMES {
+        let last = frames.len() - 1;
+        let mut index = 0..;
+        frames.retain(|_| {
+            index
+                .next()
+                .is_some_and(|k| k == last || (last - k).is_multiple_of(2))
+        });
+    }
+    frames
+}
+
+/// A number of five digits and its unit.
+fn quantity(value: f64, unit: &str) -> String {
+    let number = match value.abs() {
+        0.0 => "0".to_owned(),
+        size if (1e-2..1e5).contains(&size) => {
+            let decimals = (4.0 - size.log10().floor()).max(0.0) as usize;
+            format!("{value:.decimals$}")
+        }
+        _ => format!("{value:.4e}"),
+    };
+    format!("{number} {unit}").trim_end().to_owned()
+}
+
+/// Name and value of what is asked for first.
+fn numbers(summary: &Value) -> Vec<[String; 2]> {
+    let mut rows = Vec::new();
+    let mut row = |name: &str, value: String| rows.push([name.to_owned(), value]);
+    let fracture = &summary["fracture"];
+    let control = fracture["control"].as_str().unwrap_or_default();
+    let events = [
+        ("first_break", "first bond broken"),
+        ("peak", "largest reaction"),
+        ("envelope_peak", "largest load factor"),
+        ("end", summary["outcome"].as_str().unwrap_or("end")),
+    ];
+    for (key, name) in events {
+        let event = &fracture[key];
+        // Under the other controls the load only grows: its end.
+        if key == "envelope_peak" && control != "event-driven" {
+            continue;
+        }
+        if let Some(step) = event["step"].as_u64() {
+            let number = |key: &str| event[key].as_f64().unwrap_or(f64::NAN);
+            let reference = match (key, control) {
+                (_, "event-driven") => None,
+                ("first_break", _) => fracture["reference"]["first_break"].as_u64(),
+                ("end", _) => fracture["reference"]["separated"].as_u64(),
+                _ => None,
+            };
+            let reference =
+                reference.map_or_else(String::new, |step| format!(" (reference: step {step})"));
+            row(
+                name,
+                format!(
+                    "step {step}{reference}: load factor {}, grip displacement {}, reaction {}",
+                    quantity(number("load_factor"), ""),
+                    quantity(number("grip_displacement_m"), "m"),
+                    quantity(number("reaction_n"), "N")
+                ),
+            );
+        }
+    }
+    if !fracture.is_null() {
+        row("control", control.to_owned());
+        row("bonds broken", fracture["bonds_broken"].to_string());
+        if let Some(length) = fracture["crack_length_m"].as_f64() {
+            row("crack length", quantity(length, "m"));
+        }
+    }
+    for probe in summary["probes"].as_array().into_iter().flatten() {
+        row(
+            &format!("probe {}", probe["name"].as_str().unwrap_or_default()),
+            described_probe(probe),
+        );
+    }
+    let groups = || summary["reactions_n"].as_object().into_iter().flatten();
+    let force = |value: &Value, axis: usize| value[axis].as_f64().unwrap_or(f64::NAN);
+    let largest = groups()
+        .flat_map(|(_, value)| [0, 1].map(|axis| force(value, axis).abs()))
+        .fold(0.0, f64::max);
+    for (group, value) in groups() {
+        let [x, y] = [0, 1].map(|axis| match force(value, axis) {
+            force if force.abs() <= ROUNDING * largest => "0".to_owned(),
+            force => quantity(force, "N"),
+        });
+        row(&format!("reaction on {group}"), format!("x {x}, y {y}"));
+    }
+    let sizes = [
+        ("finite_elements", "finite elements"),
+        ("finite_element_nodes", "their nodes"),
+        ("material_points", "material points"),
+        ("bonds", "bonds"),
+        ("trusses", "trusses"),
+        ("dofs", "unknowns"),
+    ];
+    for (key, name) in sizes {
+        row(name, summary["sizes"][key].to_string());
+    }
+    if let Some(residual) = summary["residual"].as_f64() {
+        row("residual", format!("{residual:.1e}"));
+    }
+    rows
+}
+
+fn described_probe(probe: &Value) -> String {
+    let value = probe["displacement_m"].as_f64().unwrap_or(f64::NAN);
+    let component = probe["component"].as_str().unwrap_or_default();
+    let mut text = format!("u_{component} = {value:.5e} m");
+    if let (Some(reference), Some(error)) = (probe["reference_m"].as_f64(), probe["error"].as_f64())
+    {
+        text += &format!(
+            "; reference {reference:.5e} m, error {:+.2} %",
+            100.0 * error
+        );
+    }
+    text
+}
+
+/// All values of the summary that are the same in every run, by their path.
+fn table(summary: &Value) -> Vec<[String; 2]> {
+    let mut rows = Vec::new();
+    flatten("", summary, &mut rows);
+    rows
+}
+
+fn flatten(path: &str, value: &Value, rows: &mut Vec<[String; 2]>) {
+    let is_plain = |value: &Value| !value.is_object() && !value.is_array();
+    match value {
+        Value::Object(map) => {
+            for (key, value) in map
+                .iter()
+                .filter(|(key, _)| !LEFT_OUT.contains(&key.as_str()))
+            {
+                let path = match path {
+                    "" => key.clone(),
+                    path => format!("{path}.{key}"),
+                };
+                flatten(&path, value, rows);
+            }
+        }
+        Value::Array(list) if list.iter().all(is_plain) => {
+            let values: Vec<String> = list.iter().map(plain).collect();
+            rows.push([path.to_owned(), values.join(", ")]);
+        }
+        Value::Array(list) => {
+            for (index, value) in list.iter().enumerate() {
+                flatten(&format!("{path}.{index}"), value, rows);
+            }
+        }
+        value => rows.push([path.to_owned(), plain(value)]),
+    }
+}
+
+fn plain(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Null => "–".to_owned(),
+        other => other.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn the_table_has_the_numbers_and_no_costs() {
+        let summary = json!({
+            "name": "a", "seconds": 1.5, "sizes": { "dofs": 3 },
+            "probes": [{ "name": "tip", "at_m": [1.0, 2.0] }], "fracture": null,
+        });
+        let expected = [
+            ["name", "a"],
+            ["sizes.dofs", "3"],
+            ["probes.0.name", "tip"],
+            ["probes.0.at_m", "1.0, 2.0"],
+            ["fracture", "–"],
+        ];
+        assert_eq!(table(&summary), expected.map(|row| row.map(str::to_owned)));
+    }
+
+    #[test]
+    fn frames_are_thinned_until_they_fit_and_the_last_stays() {
+        let frame = |step: usize| FramePicture {
+            step,
+            text: String::new(),
+            png: vec![0; MOST_FRAMES / 10],
+        };
+        let kept: Vec<usize> = fitting((0..32).map(frame).collect())
+            .iter()
+            .map(|frame| frame.step)
+            .collect();
+        assert_eq!(kept, [3, 7, 11, 15, 19, 23, 27, 31]);
+    }
+
+    #[test]
+    fn numbers_of_any_size_are_short() {
+        assert_eq!(quantity(4.5e-7, "m"), "4.5000e-7 m");
+        assert_eq!(quantity(31_967.4, "N"), "31967 N");
+        assert_eq!(quantity(62.0, ""), "62.000");
+        assert_eq!(quantity(0.0, ""), "0");
+    }
+}

@@ -1,0 +1,117 @@
+//! The output stage's files, on all threads: what was drafted behind the solve is taken over, the rest
+//! is made here. Which files there are, their order and their bytes do not depend on either.
+
+use super::parts::{PartKind, Parts};
+use super::results::Outcome;
+use super::view::VIEW_FILE;
+use crate::output::{pvd, write_whole};
+use crate::pipeline::account::made::Made;
+use crate::pipeline::error::ResultsError;
+use crate::pipeline::error::RunError;
+use crate::pipeline::read::spec::Format;
+use crate::pipeline::record::frames::{Frame, read_frame};
+use crate::trace::Trace;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+pub(crate) struct Workshop<'a> {
+    pub outcome: &'a Outcome<'a>,
+    /// Where the files go.
+    pub folder: &'a Path,
+    /// What is there already.
+    pub drafted: BTreeMap<String, Made>,
+    pub trace: Trace,
+}
+
+/// Moments are written side by side until they take so much memory [bytes].
+const MEMORY: usize = 1 << 28;
+
+impl Workshop<'_> {
+    /// One set of parts, or one for each frame of a fracture run; and the series.
+    pub fn parts(&self) -> Result<Vec<Made>, RunError> {
+        let parts = self.outcome.parts();
+        let steps: Vec<Option<usize>> = match &self.outcome.solved.fracture {
+            None => vec![None],
+            Some(course) => course.frames.iter().copied().map(Some).collect(),
+        };
+        let mut made = Vec::new();
+        for some in steps.chunks((MEMORY / parts.memory().max(1)).max(1)) {
+            let of_step = |&step: &Option<usize>| self.parts_of(&parts, step);
+            made.extend(in_order(some.par_iter().map(of_step))?);
+        }
+        let mut made: Vec<Made> = made.into_iter().flatten().collect();
+        made.push(self.series(&parts, &steps)?);
+        Ok(made)
+    }
+
+    fn parts_of(&self, parts: &Parts, step: Option<usize>) -> Result<Vec<Made>, RunError> {
+        let kinds = parts.kinds();
+        let drafted = |kind: &PartKind| self.drafted.get(&parts.file(*kind, step)).cloned();
+        if let Some(drafted) = kinds.iter().map(drafted).collect() {
+            return Ok(drafted);
+        }
+        let frame = self.frame(step)?;
+        let write = |&kind: &PartKind| parts.write(kind, &frame, step, self.folder, &self.trace);
+        Ok(in_order(kinds.par_iter().map(write))?)
+    }
+
+    fn frame(&self, step: Option<usize>) -> Result<Frame, RunError> {
+        let Outcome {
+            plan,
+            model,
+            solved,
+            ..
+        } = self.outcome;
+        match step {
+            Some(step) => read_frame(&plan.folder, model, step),
+            None => Ok(Frame {
+                step: 0,
+                load_factor: 1.0,
+                displacement: solved.solution.displacement.clone(),
+                intact: solved.intact.clone(),
+            }),
+        }
+    }
+
+    fn series(&self, parts: &Parts, steps: &[Option<usize>]) -> Result<Made, ResultsError> {
+        let entries: Vec<pvd::Entry> = steps.iter().flat_map(|&s| parts.entries(s)).collect();
+        let name = format!("{}.pvd", self.outcome.plan.name);
+        Made::measured(name, &self.trace, |name| {
+            let xml = pvd::to_xml(&entries)?;
+            write_whole(&self.folder.join(name), xml.as_bytes())?;
+            Ok([xml.len() as u64; 2])
+        })
+    }
+
+    /// The script that shows the parts.
+    pub fn view(&self) -> Result<Made, ResultsError> {
+        Made::measured(VIEW_FILE.to_owned(), &self.trace, |name| {
+            let text = self.outcome.view();
+            write_whole(&self.folder.join(name), text.as_bytes())?;
+            Ok([text.len() as u64; 2])
+        })
+    }
+
+    /// The pictures that there are to make.
+    pub fn pictures(&self) -> Result<Vec<Made>, RunError> {
+        let sheets = self.outcome.sheets();
+        let formats = self.outcome.plan.output.formats();
+        let made = in_order(sheets.par_iter().map(|&sheet| {
+            let drafted = |&format: &Format| self.drafted.get(&sheet.file(format)).cloned();
+            if let Some(drafted) = formats.iter().map(drafted).collect() {
+                return Ok(drafted);
+            }
+            self.outcome.draw(sheet, &formats, self.folder, &self.trace)
+        }))?;
+        Ok(made.into_iter().flatten().collect())
+    }
+}
+
+/// All results, or the first error in their order, not in time.
+fn in_order<T: Send, E: Send>(
+    results: impl IndexedParallelIterator<Item = Result<T, E>>,
+) -> Result<Vec<T>, E> {
+    let results: Vec<Result<T, E>> = results.collect();
+    results.into_iter().collect()
+}

@@ -1,0 +1,8 @@
+//! The stages mesh, solve and output: [`recipe`] says what each is made from, [`run`] runs those that are stale.
+
+pub mod fracture;
+pub mod meshing;
+pub mod parameters;
+pub mod recipe;
+pub mod run;
+pub mod validate;

@@ -1,0 +1,129 @@
+//! The geometry to a mesh, by Gmsh or meshio, with their errors at their place in the pipeline.
+
+use super::run::Options;
+use crate::gmsh::{self, Extract, ExtractError, GmshError};
+use crate::meshio::{self, MeshioError};
+use crate::pipeline::error::RunError;
+use crate::pipeline::read::plan::Plan;
+
+pub(crate) fn mesh_geometry(plan: &Plan, options: &Options) -> Result<Extract, RunError> {
+    if meshio::reads(&plan.geometry.file) {
+        return foreign_mesh(plan, options);
+    }
+    let gmsh = gmsh::Options {
+        trust: plan.geometry.trust,
+        ..options.gmsh.clone()
+    };
+    gmsh::mesh(&plan.geometry.file, &plan.geometry.parameters, &gmsh)
+        .map_err(|error| gmsh_error(plan, error))
+}
+
+fn foreign_mesh(plan: &Plan, options: &Options) -> Result<Extract, RunError> {
+    if let Some(name) = plan.geometry.parameters.keys().next() {
+        let error = GmshError::ParameterOfMesh {
+            file: plan.geometry.file.clone(),
+            name: name.clone(),
+        };
+        return Err(gmsh_error(plan, error));
+    }
+    meshio::mesh(&plan.geometry.file, &options.meshio).map_err(|error| match error {
+        MeshioError::Unreadable { .. }
+        | MeshioError::Unsupported { .. }
+        | MeshioError::Convert { .. } => {
+            let message = error.to_string();
+            plan.source.error("geometry/file", message, None).into()
+        }
+        failure => RunError::Meshio(Box::new(failure)),
+    })
+}
+
+/// Whose fault is it? The user's errors get their place in the pipeline and exit code 2.
+pub(crate) fn gmsh_error(plan: &Plan, error: GmshError) -> RunError {
+    let (key, help) = match &error {
+        GmshError::UnknownParameter { name, .. }
+        | GmshError::FixedParameter { name, .. }
+        | GmshError::ParameterOfMesh { name, .. }
+        | GmshError::ParameterValue { name, .. } => (format!("geometry/parameters/{name}"), None),
+        GmshError::Failed { errors, .. } => match blamed_parameter(plan, errors) {
+            Some(name) => (format!("geometry/parameters/{name}"), parameters_help(plan)),
+            None => ("geometry/file".to_owned(), script_help(errors)),
+        },
+        GmshError::Deed(_) => {
+            let help = "remove it; if you know where the file comes from, let it: `--trust-geometry`, or \
+                        `trust: true` under `geometry`";
+            ("geometry/file".to_owned(), Some(help.to_owned()))
+        }
+        GmshError::FileKind { .. } => ("geometry/file".to_owned(), foreign_help()),
+        GmshError::FileMissing { .. } | GmshError::PathNotText { .. } | GmshError::Script(_) => {
+            ("geometry/file".to_owned(), None)
+        }
+        _ => return RunError::Gmsh(Box::new(error)),
+    };
+    plan.source.error(&key, error.to_string(), help).into()
+}
+
+/// The parameter of the pipeline that the script's own `Error(...)` names, if it names one.
+fn blamed_parameter<'a>(plan: &'a Plan, errors: &[gmsh::Message]) -> Option<&'a String> {
+    let error = errors.first().filter(|error| error.line.is_none())?;
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let mut words = error.text.split(|c| !is_word(c));
+    words.find_map(|word| plan.geometry.parameters.keys().find(|name| *name == word))
+}
+
+/// What helps with the first of Gmsh's errors.
+fn script_help(errors: &[gmsh::Message]) -> Option<String> {
+    let first = errors.first()?;
+    if first.text.starts_with("Unable to open") {
+        return Some("files are sought beside the one that names them".to_owned());
+    }
+    let line = first.line?;
+    first.text.starts_with("syntax error").then(|| {
+        let before = line.saturating_sub(1).max(1);
+        format!(
+            "look at the lines {before} and {line} for a semicolon, a bracket or a quote that lacks"
+        )
+    })
+}
+
+fn foreign_help() -> Option<String> {
+    let list = meshio::MESHES.join(", .");
+    Some(format!("meshes of other programs, read by meshio: .{list}"))
+}
+
+fn parameters_help(plan: &Plan) -> Option<String> {
+    let value = |value: &gmsh::Value| match value {
+        gmsh::Value::Number(number) => number.to_string(),
+        gmsh::Value::Text(text) => text.clone(),
+    };
+    let given = plan.geometry.parameters.iter();
+    let list: Vec<String> = given
+        .map(|(name, v)| format!("{name} = {}", value(v)))
+        .collect();
+    (!list.is_empty()).then(|| format!("the pipeline sets {}", list.join(", ")))
+}
+
+pub(crate) fn to_mesh(plan: &Plan, extract: &Extract) -> Result<crate::mesh::Mesh, RunError> {
+    let mesh = extract.to_mesh(plan.geometry.unit_in_metres);
+    Ok(mesh.map_err(|error| {
+        let help = match &error {
+            ExtractError::NoPhysicalSurface { .. } => cad_help(plan),
+            _ => None,
+        };
+        let message = error.to_string();
+        plan.source.error("geometry/file", message, help)
+    })?)
+}
+
+/// A CAD file cannot name groups.
+fn cad_help(plan: &Plan) -> Option<String> {
+    let file = &plan.geometry.file;
+    let extension = file.extension()?.to_str()?.to_ascii_lowercase();
+    let is_cad = ["step", "stp", "brep"].contains(&extension.as_str());
+    let name = file.file_name()?.to_str()?;
+    is_cad.then(|| {
+        format!(
+            "write a .geo beside it, and give that as the file: SetFactory(\"OpenCASCADE\"); Merge \
+             \"{name}\"; Physical Surface(\"plate\") = {{1}};"
+        )
+    })
+}

@@ -1,0 +1,51 @@
+//! Who is told of a run's progress, and of what.
+
+use crate::pipeline::record::stamp::Stage;
+use serde::Serialize;
+use std::fmt;
+use std::time::Duration;
+
+/// Told of what happens while it happens.
+pub trait Observer {
+    fn starts(&mut self, stage: Stage);
+    fn ends(&mut self, stage: Stage, what: &str, time: Duration);
+    fn step(&mut self, step: &Step);
+    fn is_fresh(&mut self, stage: Stage);
+    fn warns(&mut self, text: &str);
+}
+
+/// Where a fracture run is.
+#[derive(Clone, Debug, Serialize)]
+pub struct Step {
+    /// Name of the phase; empty where there is only one.
+    pub phase: String,
+    pub step: usize,
+    /// The run ends at this step, if not before.
+    pub most_steps: usize,
+    pub load_factor: f64,
+    pub bonds_broken: usize,
+    pub bonds_broken_total: usize,
+    pub passes: usize,
+    pub steps_per_second: f64,
+}
+
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        if !self.phase.is_empty() {
+            write!(f, "{}, ", self.phase)?;
+        }
+        let passes = if self.passes == 1 { "pass" } else { "passes" };
+        let left = (self.most_steps - self.step) as f64 / self.steps_per_second;
+        write!(
+            f,
+            "step {} of at most {}, λ = {:.4}, {} bonds broken ({} in all), {} {passes}, {:.1} steps/s, at most {left:.0} s left",
+            self.step,
+            self.most_steps,
+            self.load_factor,
+            self.bonds_broken,
+            self.bonds_broken_total,
+            self.passes,
+            self.steps_per_second
+        )
+    }
+}

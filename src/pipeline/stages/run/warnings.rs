@@ -1,0 +1,69 @@
+//! What is no error, and yet to be told.
+
+use super::Run;
+use crate::boundary::Boundary;
+use crate::coupling::Coupling;
+use crate::model::{Method, Model};
+use crate::pipeline::show::results::lattice_name;
+use crate::statics::Solution;
+
+/// A larger share of all forces that is not balanced is told [-]; a splice of elements as large as the horizon
+/// leaves 3e-5, under own weight 6e-3.
+const IMBALANCE_WARNING: f64 = 0.01;
+
+/// A lattice whose areas are off by more than this is worth a word: the paper's full cells on grid
+/// nodes are.
+const AREA_WARNING: f64 = 1e-6;
+
+impl Run<'_> {
+    pub(super) fn warn_of_areas(&mut self, model: &Model) {
+        // Where cells go on behind the interface, their areas need not sum to the region's.
+        let is_truss = matches!(model.settings.coupling, Coupling::Truss(_));
+        let points = model.points.iter().filter(|_| is_truss);
+        for points in points {
+            let first = model.fe_node_count();
+            let areas = &model.areas[points.nodes.start - first..points.nodes.end - first];
+            let share = areas.iter().sum::<f64>() / points.area;
+            if (share - 1.0).abs() > AREA_WARNING {
+                self.observer.warns(&format!(
+                    "the material points of `{}` stand for {:.2} % of its area",
+                    lattice_name(model, points),
+                    100.0 * share
+                ));
+            }
+        }
+    }
+
+    /// Under two horizons no point has a whole family, and the correction of free surfaces is all that there is.
+    pub(super) fn warn_of_narrow_regions(&mut self, model: &Model) {
+        for points in &model.points {
+            let Method::Peridynamics(settings) = model.regions[points.region].method else {
+                continue;
+            };
+            let [low, high] = settings.lattice.axes().outline(&points.outline).bounds();
+            let width = [0, 1].map(|axis| (high[axis] - low[axis]) / settings.lattice.spacing);
+            let width = width[0].min(width[1]);
+            if width < 2.0 * settings.horizon_ratio * (1.0 - AREA_WARNING) {
+                self.observer.warns(&format!(
+                    "the region `{}` is {width:.1} spacings wide, under 2 horizons, which are {} spacings: \
+                     choose a smaller `spacing`, or make it wider",
+                    lattice_name(model, points),
+                    2.0 * settings.horizon_ratio
+                ));
+            }
+        }
+    }
+
+    /// The residual of a spliced system does not see that its two sides feel different forces.
+    pub(super) fn warn_of_imbalance(&mut self, solution: &Solution, boundary: &Boundary) {
+        let imbalance = solution.imbalance(boundary);
+        if imbalance > IMBALANCE_WARNING {
+            self.observer.warns(&format!(
+                "loads and reactions differ by {:.1} % of their sum: the splice passes on another force than it \
+                 takes up, and displacements are wrong by as much. Take finer elements beside the interface, \
+                 or `coupling: clip`",
+                100.0 * imbalance
+            ));
+        }
+    }
+}

@@ -1,0 +1,428 @@
+//! A plan and a mesh to the discretisation; what does not fit is told at its key in the pipeline.
+
+use crate::boundary::{Boundary, BoundaryError};
+use crate::coupling::splice::SpliceError;
+use crate::cracks::Cracks;
+use crate::fracture::failure::CriticalStretch;
+use crate::fracture::programme::{LoadPhase, Programme};
+use crate::fracture::state::Limits;
+use crate::geometry::Outline;
+use crate::mesh::Mesh;
+use crate::model::{self, Method, Model, ModelError, Region};
+use crate::pipeline::read::plan::{Condition, Displaced, Plan, Probe};
+use crate::pipeline::read::source::{InputError, choices, quoted};
+use crate::support::{self, NotHeld};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Builds the model and its boundary conditions and checks that the body is held.
+///
+/// # Errors
+/// The first thing that does not fit.
+pub fn discretise(plan: &Plan, mesh: Mesh) -> Result<(Model, Boundary), InputError> {
+    let mut regions = regions(plan, &mesh)?;
+    let by_default: Vec<bool> = plan.regions.iter().map(|r| r.angle_by_default).collect();
+    model::bodies::turn_lattices(&mesh, &mut regions, &by_default);
+    check_groups(plan, &mesh)?;
+    let cracks = cracks(plan, &mesh)?;
+    check_no_fail(plan, &mesh)?;
+    let model = Model::build(mesh, regions, plan.model).map_err(|e| model_error(plan, &e))?;
+    let model = model.with_cracks(&cracks);
+    let boundary = programme(plan, &model)?.phases.swap_remove(0).boundary;
+    let model = model.with_node_axes(&boundary.node_axes);
+    support::check(&model, &boundary).map_err(|error| not_held(plan, &model, &error))?;
+    check_probes(plan, &model)?;
+    Ok((model, boundary))
+}
+
+/// What the body is loaded with.
+///
+/// # Errors
+/// A condition that does not fit the mesh, or another condition.
+pub fn programme(plan: &Plan, model: &Model) -> Result<Programme, InputError> {
+    let Some(loading) = &plan.loading else {
+        return Ok(Programme::proportional(boundary(plan, model, 0)?));
+    };
+    let phase = |(index, phase): (usize, &crate::pipeline::read::plan::PhasePlan)| {
+        Ok(LoadPhase {
+            name: phase.name.clone(),
+            boundary: boundary(plan, model, index)?,
+            increment: phase.increment,
+            end: phase.end,
+        })
+    };
+    let phases: Result<Vec<LoadPhase>, InputError> =
+        loading.phases.iter().enumerate().map(phase).collect();
+    Ok(Programme::new(phases?))
+}
+
+/// The conditions of one phase; what the other phases move is held.
+fn boundary(plan: &Plan, model: &Model, phase: usize) -> Result<Boundary, InputError> {
+    let mut boundary = Boundary::new(model);
+    let fail = |index: usize, error: BoundaryError| boundary_error(plan, index, &error);
+    let conditions = || plan.conditions.iter().enumerate();
+    let is_own = |condition: &Condition| condition.phase.is_none_or(|p| p == phase);
+    for (index, condition) in conditions().filter(|(_, c)| is_own(c)) {
+        apply(&mut boundary, model, condition).map_err(|e| fail(index, e))?;
+    }
+    for (index, condition) in conditions().filter(|(_, c)| !is_own(c)) {
+        let Some(Displaced {
+            directions,
+            components,
+        }) = condition.displacement
+        else {
+            continue;
+        };
+        let components = components.map(|u| u.is_some());
+        let held = boundary.hold_along(model, &condition.group, directions, components);
+        held.map_err(|e| fail(index, e))?;
+    }
+    Ok(boundary)
+}
+
+fn not_held(plan: &Plan, model: &Model, error: &NotHeld) -> InputError {
+    let holding = plan
+        .conditions
+        .iter()
+        .filter(|condition| condition.displacement.is_some());
+    let help = format!(
+        "prescribe a displacement that prevents it. Displacements are prescribed on {}; groups of \
+         the mesh: {}",
+        quoted(
+            &holding
+                .map(|condition| condition.group.as_str())
+                .collect::<Vec<_>>()
+        ),
+        quoted(&boundary_groups(&model.mesh).collect::<Vec<_>>())
+    );
+    plan.source.error("boundary", error.to_string(), Some(help))
+}
+
+/// A probe reads the nearest node, which tells nothing where the body is not.
+fn check_probes(plan: &Plan, model: &Model) -> Result<(), InputError> {
+    let [low, high] = model.bounds();
+    let slack = PROBE_SLACK * (high[0] - low[0]).max(high[1] - low[1]);
+    let is_off = |at: [f64; 2]| {
+        (0..2).any(|axis| at[axis] < low[axis] - slack || at[axis] > high[axis] + slack)
+    };
+    match plan.probes.iter().find(|probe| is_off(probe.at)) {
+        None => Ok(()),
+        Some(Probe {
+            name, at: [x, y], ..
+        }) => {
+            let message = format!("probe `{name}` at ({x}, {y}) m is off the body");
+            let help = format!(
+                "the body reaches from ({}, {}) to ({}, {}) m; a bare number is in metres",
+                low[0], low[1], high[0], high[1]
+            );
+            Err(plan
+                .source
+                .error(&format!("probes/{name}/at"), message, Some(help)))
+        }
+    }
+}
+
+/// Probes may be off the body by this share of its larger side: coordinates carry rounding.
+const PROBE_SLACK: f64 = 1e-6;
+
+fn apply(
+    boundary: &mut Boundary,
+    model: &Model,
+    condition: &Condition,
+) -> Result<(), BoundaryError> {
+    let group = &condition.group;
+    if let Some(displaced) = condition.displacement {
+        boundary.displace_along(model, group, displaced.directions, displaced.components)?;
+    }
+    for &load in &condition.loads {
+        boundary.press(model, group, load)?;
+    }
+    if let Some(force) = condition.force {
+        boundary.push(model, group, force)?;
+    }
+    if let Some(density) = condition.body_force {
+        boundary.weigh(model, group, density)?;
+    }
+    Ok(())
+}
+
+fn regions(plan: &Plan, mesh: &Mesh) -> Result<Vec<Region>, InputError> {
+    let region = |(index, planned): (usize, &crate::pipeline::read::plan::RegionPlan)| {
+        let mut cells = Vec::new();
+        for (k, group) in planned.groups.iter().enumerate() {
+            match mesh.surfaces.get(group) {
+                Some(of_group) => cells.extend(of_group),
+                None => return Err(unknown_surface(plan, mesh, [index, k])),
+            }
+        }
+        cells.sort_unstable();
+        cells.dedup();
+        Ok(Region {
+            name: planned.name(),
+            cells,
+            material: planned.material,
+            method: planned.method,
+        })
+    };
+    plan.regions.iter().enumerate().map(region).collect()
+}
+
+/// `at`: the region, and the group within it.
+fn unknown_surface(plan: &Plan, mesh: &Mesh, at: [usize; 2]) -> InputError {
+    let [index, k] = at;
+    let group = &plan.regions[index].groups[k];
+    let file = plan.geometry.file.display();
+    let message = if mesh.curves.contains_key(group) || mesh.points.contains_key(group) {
+        format!("group `{group}` of {file} is no surface, and a region is made of surfaces")
+    } else {
+        format!("there is no physical surface `{group}` with elements in {file}")
+    };
+    let help = choices(group, mesh.surfaces.keys().map(String::as_str));
+    plan.source
+        .error(&format!("regions/{index}/group/{k}"), message, Some(help))
+}
+
+fn boundary_groups(mesh: &Mesh) -> impl Iterator<Item = &str> {
+    mesh.curves
+        .keys()
+        .chain(mesh.points.keys())
+        .map(String::as_str)
+}
+
+fn check_groups(plan: &Plan, mesh: &Mesh) -> Result<(), InputError> {
+    for condition in &plan.conditions {
+        let group = &condition.group;
+        let on_surface = condition.body_force.is_some();
+        let acts_else = condition.displacement.is_some()
+            || !condition.loads.is_empty()
+            || condition.force.is_some();
+        if on_surface && !mesh.surfaces.contains_key(group) {
+            let file = plan.geometry.file.display();
+            let message = format!("there is no physical surface `{group}` in {file}");
+            let help = choices(group, mesh.surfaces.keys().map(String::as_str));
+            let key = format!("{}/group", condition.key);
+            return Err(plan.source.error(&key, message, Some(help)));
+        }
+        if (acts_else || !on_surface) && !boundary_groups(mesh).any(|name| name == group) {
+            let file = plan.geometry.file.display();
+            let message = if mesh.surfaces.contains_key(group) {
+                format!(
+                    "group `{group}` of {file} is a surface, and `boundary` acts on curves and points; \
+                     only a `body_force` acts on surfaces"
+                )
+            } else {
+                format!("there is no physical curve or point `{group}` in {file}")
+            };
+            let help = choices(group, boundary_groups(mesh));
+            return Err(plan.source.error(
+                &format!("{}/group", condition.key),
+                message,
+                Some(help),
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn cracks(plan: &Plan, mesh: &Mesh) -> Result<Cracks, InputError> {
+    let mut edges = Vec::new();
+    for (index, name) in plan.cracks.iter().enumerate() {
+        let Some(curve) = mesh.curves.get(name) else {
+            let file = plan.geometry.file.display();
+            let message = format!("there is no physical curve `{name}` in {file}");
+            let help = choices(name, mesh.curves.keys().map(String::as_str));
+            return Err(plan
+                .source
+                .error(&format!("cracks/{index}"), message, Some(help)));
+        };
+        edges.extend_from_slice(curve);
+    }
+    Ok(Cracks::new(mesh, &edges))
+}
+
+/// The critical stretch of every bond and truss. Bonds with an end in a `no_fail` surface never
+/// break, nor do trusses unless the pipeline says so, nor what clipping leaves between two sides of
+/// finite elements. A part of a clipped bond takes the energy of the whole.
+pub fn limits(plan: &Plan, model: &Model) -> Limits {
+    let unbreakable = unbreakable_points(plan, model);
+    let mut table = vec![CriticalStretch::UNBREAKABLE];
+    let mut class_of = vec![0; model.regions.len()];
+    for (index, planned) in plan.regions.iter().enumerate() {
+        if let (Some(strength), Method::Peridynamics(settings)) = (planned.strength, planned.method)
+        {
+            class_of[index] = table.len();
+            let material = &planned.material;
+            let micromodulus = settings.micromodulus(material, plan.model.plane);
+            table.push(CriticalStretch::new(
+                strength,
+                material.young,
+                &micromodulus,
+            ));
+        }
+    }
+    // A bond between two materials breaks when the weaker one would.
+    let own = table.len();
+    for first in 0..own {
+        table.extend(
+            (0..own)
+                .map(|second| table[first].weaker(table[second]))
+                .collect::<Vec<_>>(),
+        );
+    }
+    let class = |spring: usize| {
+        let is_truss = model.is_truss(spring);
+        let mut nodes = model.springs.nodes(spring).iter();
+        let held = nodes.any(|&node| unbreakable[node as usize]);
+        if held || (is_truss && !plan.trusses_break) {
+            return 0;
+        }
+        // An end in finite elements counts as the other's material.
+        let regions = model.regions_of_spring(spring);
+        regions.map_or(0, |[a, b]| match [class_of[a], class_of[b]] {
+            [first, second] if first == second => first as u32,
+            [first, second] => (own * (1 + first) + second) as u32,
+        })
+    };
+    let mut class: Vec<u32> = (0..model.springs.len())
+        .into_par_iter()
+        .map(class)
+        .collect();
+    let mut of_parts: BTreeMap<(u32, u64), u32> = BTreeMap::new();
+    for (spring, class) in class.iter_mut().enumerate() {
+        let t = model.length_share(spring);
+        if t < 1.0 && *class != 0 {
+            let whole = *class;
+            *class = *of_parts.entry((whole, t.to_bits())).or_insert_with(|| {
+                table.push(table[whole as usize].of_part(t));
+                table.len() as u32 - 1
+            });
+        }
+    }
+    Limits { table, class }
+}
+
+fn check_no_fail(plan: &Plan, mesh: &Mesh) -> Result<(), InputError> {
+    let is_unknown = |name: &String| !mesh.surfaces.contains_key(name);
+    let Some(index) = plan.no_fail.iter().position(is_unknown) else {
+        return Ok(());
+    };
+    let name = &plan.no_fail[index];
+    let file = plan.geometry.file.display();
+    let message = format!("there is no physical surface `{name}` in {file}");
+    let help = choices(name, mesh.surfaces.keys().map(String::as_str));
+    let key = format!("no_fail/{index}");
+    Err(plan.source.error(&key, message, Some(help)))
+}
+
+fn unbreakable_points(plan: &Plan, model: &Model) -> Vec<bool> {
+    let mut unbreakable = vec![false; model.node_count()];
+    for name in &plan.no_fail {
+        let cells = model.mesh.surfaces.get(name);
+        let outline = Outline::of_cells(&model.mesh, cells.map_or(&[], Vec::as_slice));
+        let points = unbreakable.iter_mut().zip(&model.positions);
+        for (unbreakable, &position) in points.skip(model.fe_node_count()) {
+            *unbreakable |= outline.contains(position);
+        }
+    }
+    unbreakable
+}
+
+fn model_error(plan: &Plan, error: &ModelError) -> InputError {
+    let key = |name: &str| {
+        let index = plan
+            .regions
+            .iter()
+            .rposition(|region| region.name() == name);
+        format!("regions/{}/group", index.unwrap_or(0))
+    };
+    let spacing = |name: &str| key(name).replace("group", "spacing");
+    let (key, help) = match error {
+        ModelError::RegionEmpty { region } => (
+            key(region),
+            "mesh the surface in the .geo, or name another group".to_owned(),
+        ),
+        ModelError::RegionsOverlap { second, .. } => (
+            key(second),
+            "every surface belongs to one region: change the physical groups or the regions".to_owned(),
+        ),
+        ModelError::RegionsTouch { first, second } => (
+            key(second),
+            format!(
+                "regions that touch share one lattice: give both the same `spacing`, `horizon`, `kernel`, \
+                 `points` and the like, or make them one region, `group: [{}, {}]`, or put a \
+                 finite-element region between",
+                first.replace('+', ", "),
+                second.replace('+', ", ")
+            ),
+        ),
+        ModelError::Jacobian { region, .. } => (
+            key(region),
+            "look at the mesh there; curved sides may need smaller elements, and a `.msh` the node \
+             order of Gmsh"
+                .to_owned(),
+        ),
+        ModelError::NoMaterialPoint { region } => {
+            (spacing(region), "choose a smaller `spacing`".to_owned())
+        }
+        ModelError::Splice { region, source } => (key(region), splice_help(source).to_owned()),
+        ModelError::Surface { region, .. } => (
+            key(region).replace("group", "surface_correction"),
+            "write `surface_correction: force`".to_owned(),
+        ),
+        ModelError::TooManyPoints { region, .. } => {
+            (spacing(region), "choose a larger `spacing`, and look at its unit".to_owned())
+        }
+        ModelError::TooManyBonds { region, .. } => (
+            spacing(region),
+            "choose a larger `spacing` or a smaller `horizon`, and look at their units".to_owned(),
+        ),
+    };
+    plan.source.error(&key, error.to_string(), Some(help))
+}
+
+fn splice_help(error: &SpliceError) -> &'static str {
+    match error {
+        SpliceError::NarrowRing { .. } => {
+            "under `coupling: splice` every bond ends in material: make the finite-element region wider \
+             there, the horizon smaller, or extend the peridynamic region to the boundary"
+        }
+        SpliceError::Bridged { .. } => {
+            "mesh the region with smaller elements: two or more nodes between opposite interfaces must \
+             be 2 spacings or farther from both"
+        }
+        SpliceError::NoBlock { .. } => "choose a smaller `spacing`, or make the region wider",
+    }
+}
+
+fn boundary_error(plan: &Plan, index: usize, error: &BoundaryError) -> InputError {
+    let help = match error {
+        BoundaryError::NothingThere { .. } => {
+            "is its surface part of a region? A curve acts on the element nodes on it and, where it \
+             bounds a peridynamic region, on the material points beside it; inside such a region it \
+             acts on nothing. A point acts on the node at it, or on a material point \
+             within 0.71 spacings"
+        }
+        BoundaryError::NoOutline { .. } => {
+            "loads act on curves that bound the body; this one lies inside it or off it"
+        }
+        BoundaryError::NoNormal { .. } => {
+            "`normal` and `tangential` need a curve; on a point, and where a curve turns back on \
+             itself, give `x`, `y` and an `angle`"
+        }
+        BoundaryError::Contradiction { .. } => {
+            "where two groups meet, what they prescribe must be possible together; leave the \
+             component to one of them"
+        }
+        BoundaryError::LoadOnPoint { .. } => {
+            "give the traction to a physical curve, or a `force` to the point"
+        }
+        BoundaryError::Conflict { .. } => {
+            "where two groups meet, they must prescribe the same value, or only one of them"
+        }
+    };
+    plan.source.error(
+        &plan.conditions[index].key,
+        error.to_string(),
+        Some(help.to_owned()),
+    )
+}

@@ -1,0 +1,322 @@
+//! `sweep.csv`: a line for each run of a study, with its values and its results; and charts of it.
+
+use super::sweep::{Run, Study};
+use crate::output::picture::PictureError;
+use crate::output::picture::chart::{Axis, Chart, Curve, Mark};
+use crate::output::{WriteError, write_whole};
+use crate::pipeline::account::summary::SUMMARY_FILE;
+use crate::pipeline::error::RunError;
+use crate::pipeline::read::quantity;
+use crate::pipeline::read::spec::Combine;
+use crate::pipeline::record::history::quoted;
+use crate::pipeline::stages::run::{Standing, standings};
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+pub const TABLE_FILE: &str = "sweep.csv";
+/// What the runs print, a file for each.
+pub const LOG_FOLDER: &str = "logs";
+
+/// How a run of a study stands.
+#[derive(Clone, Debug)]
+pub struct Row {
+    pub status: Status,
+    /// Columns and what stands there.
+    pub results: Vec<(String, Value)>,
+}
+
+impl Row {
+    pub fn result(&self, column: &str) -> Option<&Value> {
+        let found = self.results.iter().find(|(name, _)| name == column);
+        found.map(|(_, value)| value)
+    }
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Status {
+    Done,
+    /// It ended with this message.
+    Failed(String),
+    /// It has not run, or not with this pipeline and geometry.
+    Missing,
+}
+
+/// Where a run's messages go.
+pub fn log_file(study: &Study, run: &Run) -> PathBuf {
+    study
+        .folder
+        .join(LOG_FOLDER)
+        .join(format!("{}.txt", run.name))
+}
+
+/// What there is of a run: results count only if they are of today's pipeline and geometry.
+///
+/// # Errors
+/// An unreadable geometry.
+pub fn row(study: &Study, run: &Run) -> Result<Row, RunError> {
+    let is_fresh = |standings: Vec<_>| standings.iter().all(|(_, s)| *s == Standing::Fresh);
+    let summary = standings(&run.plan)
+        .map(is_fresh)?
+        .then(|| read(&run.plan.folder.join(SUMMARY_FILE)))
+        .flatten();
+    Ok(match summary {
+        Some(summary) => Row {
+            status: Status::Done,
+            results: results(&summary),
+        },
+        None => Row {
+            status: failure(&log_file(study, run)).map_or(Status::Missing, Status::Failed),
+            results: Vec::new(),
+        },
+    })
+}
+
+fn read(path: &Path) -> Option<Value> {
+    serde_json::from_slice(&fs::read(path).ok()?).ok()
+}
+
+/// The message that a log ends with: the first line that miette marks, and those that belong to it.
+fn failure(log: &Path) -> Option<String> {
+    let text = fs::read_to_string(log).ok()?;
+    let message = text.lines().skip_while(|line| !line.contains('×'));
+    let lines: Vec<&str> = message
+        .take_while(|line| {
+            !line.trim().is_empty() && !line.contains('╭') && !line.contains("help:")
+        })
+        .map(|line| line.trim_matches(|c: char| c.is_whitespace() || matches!(c, '×' | '│')))
+        .collect();
+    (!lines.is_empty()).then(|| lines.join(" "))
+}
+
+/// The events of a fracture run, as `summary.json` calls them.
+const EVENTS: [&str; 4] = ["first_break", "peak", "envelope_peak", "end"];
+
+/// The numbers of a summary that runs are compared by. Times are none: the same study gives the same table.
+fn results(summary: &Value) -> Vec<(String, Value)> {
+    let mut all = Vec::new();
+    let mut put = |name: String, value: &Value| {
+        if !value.is_null() {
+            all.push((name, value.clone()));
+        }
+    };
+    put("outcome".to_owned(), &summary["outcome"]);
+    put("dofs".to_owned(), &summary["sizes"]["dofs"]);
+    let fracture = &summary["fracture"];
+    for name in EVENTS {
+        for quantity in ["step", "load_factor", "grip_displacement_m", "reaction_n"] {
+            put(format!("{name}_{quantity}"), &fracture[name][quantity]);
+        }
+    }
+    for name in ["bonds_broken", "crack_length_m"] {
+        put(name.to_owned(), &fracture[name]);
+    }
+    for probe in summary["probes"].as_array().into_iter().flatten() {
+        let name = probe["name"].as_str().unwrap_or_default();
+        put(format!("probe_{name}_m"), &probe["displacement_m"]);
+    }
+    if fracture.is_null() {
+        for (group, reaction) in summary["reactions_n"].as_object().into_iter().flatten() {
+            for (k, axis) in ["x", "y"].into_iter().enumerate() {
+                put(format!("reaction_{group}_{axis}_n"), &reaction[k]);
+            }
+        }
+    }
+    all
+}
+
+/// Writes the table, and returns where it is.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_table(study: &Study, rows: &[Row]) -> Result<PathBuf, WriteError> {
+    let path = study.folder.join(TABLE_FILE);
+    write_whole(&path, table(study, rows).as_bytes())?;
+    Ok(path)
+}
+
+fn table(study: &Study, rows: &[Row]) -> String {
+    let columns = columns(rows);
+    let mut head: Vec<String> = vec!["run".to_owned(), "status".to_owned(), "message".to_owned()];
+    head.extend(study.parameters.iter().cloned());
+    head.extend(columns.iter().map(|&column| column.to_owned()));
+    let mut text = line(&head);
+    for (run, row) in study.runs.iter().zip(rows) {
+        let (status, message) = match &row.status {
+            Status::Done => ("done", ""),
+            Status::Failed(message) => ("failed", message.as_str()),
+            Status::Missing => ("missing", ""),
+        };
+        let mut cells = vec![run.name.clone(), status.to_owned(), message.to_owned()];
+        cells.extend(run.values.iter().cloned());
+        cells.extend(columns.iter().map(|&column| cell(row.result(column))));
+        text += &line(&cells);
+    }
+    text
+}
+
+/// The columns of all rows, in the order in which they appear.
+fn columns(rows: &[Row]) -> Vec<&str> {
+    let mut columns = Vec::new();
+    for (name, _) in rows.iter().flat_map(|row| &row.results) {
+        if !columns.contains(&name.as_str()) {
+            columns.push(name);
+        }
+    }
+    columns
+}
+
+fn line(cells: &[String]) -> String {
+    let cells: Vec<String> = cells.iter().map(|cell| quoted(cell)).collect();
+    cells.join(",") + "\n"
+}
+
+fn cell(value: Option<&Value>) -> String {
+    match value {
+        None => String::new(),
+        Some(Value::String(text)) => text.clone(),
+        Some(number) => number.to_string(),
+    }
+}
+
+/// What the charts of fracture runs show.
+const PEAK: &str = "peak_reaction_n";
+
+/// More curves than this cannot be told apart.
+const MOST_CURVES: usize = 8;
+
+/// A result that is drawn over a parameter.
+struct Shown<'a> {
+    column: &'a str,
+    axis: Axis,
+}
+
+/// A chart of the peak reaction and of each probe over each parameter with several numbers, a curve for
+/// each combination of the others.
+///
+/// # Errors
+/// A picture cannot be drawn or written.
+pub fn draw_charts(study: &Study, rows: &[Row]) -> Result<Vec<PathBuf>, PictureError> {
+    let labels = study.labels();
+    let mut files = Vec::new();
+    for (over, label) in labels.iter().enumerate() {
+        let Some(numbers) = numbers(study, over) else {
+            continue;
+        };
+        for shown in shown(rows) {
+            let curves = curves(study, rows, &labels, over, &numbers, shown.column);
+            if curves.is_empty() {
+                continue;
+            }
+            let path = study
+                .folder
+                .join(format!("{}_over_{label}.png", shown.column));
+            let unit = quantity::parse_any(&study.runs[0].values[over]).ok();
+            let unit = unit.and_then(|(_, dimension)| Some(dimension?.symbol()));
+            chart(study, label, unit.unwrap_or_default(), shown, curves)
+                .draw()?
+                .write(&path)?;
+            files.push(path);
+        }
+    }
+    Ok(files)
+}
+
+/// The values of a parameter in SI units, if they are numbers and differ.
+fn numbers(study: &Study, over: usize) -> Option<Vec<f64>> {
+    let number = |run: &Run| Some(quantity::parse_any(&run.values[over]).ok()?.0);
+    let numbers: Vec<f64> = study.runs.iter().map(number).collect::<Option<_>>()?;
+    numbers.iter().any(|&x| x != numbers[0]).then_some(numbers)
+}
+
+fn shown(rows: &[Row]) -> Vec<Shown<'_>> {
+    let name = |column: &str| match column.strip_prefix("probe_") {
+        Some(probe) => Some((probe.trim_end_matches("_m").to_owned(), "m")),
+        None => (column == PEAK).then(|| ("peak reaction".to_owned(), "N")),
+    };
+    let shown = columns(rows).into_iter().filter_map(|column| {
+        let (name, unit) = name(column)?;
+        let unit = unit.to_owned();
+        Some(Shown {
+            column,
+            axis: Axis { name, unit },
+        })
+    });
+    shown.collect()
+}
+
+/// One for each combination of the other parameters' values; of a zipped study one of all runs.
+fn curves(
+    study: &Study,
+    rows: &[Row],
+    labels: &[String],
+    over: usize,
+    numbers: &[f64],
+    column: &str,
+) -> Vec<Curve> {
+    let name = |run: &Run| {
+        let others = labels.iter().zip(&run.values).enumerate();
+        let others = others.filter(|&(k, _)| k != over && study.combine == Combine::Crossed);
+        let others: Vec<String> = others.map(|(_, (l, v))| format!("{l} = {v}")).collect();
+        others.join(", ")
+    };
+    let mut curves: Vec<Curve> = Vec::new();
+    for ((run, row), &x) in study.runs.iter().zip(rows).zip(numbers) {
+        let Some(y) = row.result(column).and_then(Value::as_f64) else {
+            continue;
+        };
+        let name = name(run);
+        match curves.iter_mut().find(|curve| curve.name == name) {
+            Some(curve) => curve.points.push([x, y]),
+            None => curves.push(Curve {
+                name,
+                points: vec![[x, y]],
+                ..Curve::default()
+            }),
+        }
+    }
+    for curve in &mut curves {
+        curve.points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let mark = |&at: &[f64; 2]| Mark {
+            at,
+            label: String::new(),
+        };
+        curve.marks = curve.points.iter().map(mark).collect();
+    }
+    curves
+}
+
+fn chart(study: &Study, over: &str, unit: String, shown: Shown, mut curves: Vec<Curve>) -> Chart {
+    let hidden = curves.len().saturating_sub(MOST_CURVES);
+    curves.truncate(MOST_CURVES);
+    let mut title = format!("{}: {} over {over}", study.name, shown.axis.name);
+    if hidden > 0 {
+        title += &format!(" ({hidden} more curves in {TABLE_FILE})");
+    }
+    Chart {
+        title,
+        x: Axis {
+            name: over.to_owned(),
+            unit,
+        },
+        y: shown.axis,
+        curves,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_log_tells_its_message() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let log = folder.path().join("a.txt");
+        let text = "a: mesh  0.1 s\n  × region `band` holds no material point\n  │ at all\n  help: smaller\n";
+        fs::write(&log, text).expect("writable");
+        let message = failure(&log).expect("a message");
+        assert_eq!(message, "region `band` holds no material point at all");
+        fs::write(&log, "a: mesh  0.1 s\n").expect("writable");
+        assert_eq!(failure(&log), None);
+    }
+}

@@ -28,10 +28,9 @@ use peristitch::phases::Phases;
 use peristitch::statics;
 use std::error::Error;
 
-pub const COUPLINGS: [(&str, Coupling); 3] = [
+pub const COUPLINGS: [(&str, Coupling); 2] = [
     ("truss", Coupling::Truss(NodeArea::Lumped)),
     ("clip", Coupling::Clip),
-    ("splice", Coupling::Splice),
 ];
 
 /// The horizons of the study against m, δ/dx.

@@ -5,14 +5,13 @@
 //! their node, in a fixed order: the bits do not depend on the number of threads. Dof = 2 · node + axis.
 
 mod column;
-pub mod full;
 mod lists;
 mod lower_matrix;
 mod parts;
-pub mod stiffness;
+mod turn;
 
 pub use lists::Lists;
-pub use lower_matrix::{LowerMatrix, mean_diagonal};
+pub use lower_matrix::LowerMatrix;
 
 use crate::springs::Springs;
 use column::{Column, add_to, pair_block};

@@ -69,12 +69,6 @@ pub struct Boundary {
     pub prescribed: BTreeMap<usize, (f64, String)>,
     /// Force on every node along x and y, dof by dof [N].
     pub load: Vec<f64>,
-    /// Under the splice, what acts on the overlap besides [N]: its part of the boundary is the material
-    /// points', and their loads are the body's.
-    pub overlap_load: Vec<f64>,
-    /// Under the splice, the share of each prescribed dof's reaction that acts on finite-element
-    /// regions, where it is not all of it [-].
-    pub own_share: BTreeMap<usize, f64>,
 }
 
 /// A material point beside a curve.
@@ -108,8 +102,6 @@ impl Boundary {
             node_axes: NodeAxes::new(),
             prescribed: BTreeMap::new(),
             load: vec![0.0; 2 * model.node_count()],
-            overlap_load: vec![0.0; 2 * model.node_count()],
-            own_share: BTreeMap::new(),
         }
     }
 
@@ -129,17 +121,12 @@ impl Boundary {
                 group: group.to_owned(),
             });
         }
-        let shares = own_shares(model, group);
         for node in nodes {
             for (axis, component) in components.into_iter().enumerate() {
                 if let Some(value) = component {
                     let mut alone = [None; 2];
                     alone[axis] = Some(value);
                     self.constrain(model, group, node, [1.0, 0.0], alone)?;
-                    match shares.get(&node) {
-                        Some(&share) => self.own_share.insert(2 * node + axis, share),
-                        None => self.own_share.remove(&(2 * node + axis)),
-                    };
                 }
             }
         }
@@ -249,11 +236,6 @@ impl Boundary {
             }
             self.press_layer(model, &layer, length(model, edges), load);
         }
-        if model.splice.is_some() {
-            for edge in on_points.iter().flat_map(|(_, edges)| edges) {
-                self.press_overlap(model, edge, load);
-            }
-        }
         Ok(())
     }
 
@@ -280,53 +262,10 @@ impl Boundary {
         }
     }
 
-    /// The finite-element side's nodes on an edge of a peridynamic region, that of the overlap.
-    fn press_overlap(&mut self, model: &Model, edge: &Edge, load: EdgeLoad) {
-        let thickness = model.settings.thickness;
-        for (node, force) in consistent_load(edge, &model.mesh.nodes, load, thickness) {
-            let Some(node) = model.node_of[node] else {
-                continue;
-            };
-            for (axis, force) in force.into_iter().enumerate() {
-                self.overlap_load[2 * node as usize + axis] += force;
-            }
-        }
-    }
-
     fn add_force(&mut self, node: usize, force: [f64; 2]) {
         self.load[2 * node] += force[0];
         self.load[2 * node + 1] += force[1];
     }
-}
-
-/// What of the reaction at a node of the finite-element side acts on finite-element regions, for the nodes of
-/// a curve that the overlap shares: ∫ N ds over their part of the curve, by that over all of it. The
-/// material points carry the rest.
-fn own_shares(model: &Model, group: &str) -> BTreeMap<usize, f64> {
-    let (Some(_), Some(curve)) = (&model.splice, model.mesh.curves.get(group)) else {
-        return BTreeMap::new();
-    };
-    let (on_elements, on_points) = outline_edges(model, curve);
-    let unit = EdgeLoad::Traction([1.0, 0.0]);
-    let mut integrals: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
-    let beside = on_points.iter().flat_map(|(_, edges)| edges);
-    let edges = on_elements
-        .iter()
-        .map(|e| (0, e))
-        .chain(beside.map(|e| (1, e)));
-    for (side, edge) in edges {
-        for (node, [integral, _]) in consistent_load(edge, &model.mesh.nodes, unit, 1.0) {
-            if let Some(node) = model.node_of[node] {
-                integrals.entry(node as usize).or_default()[side] += integral;
-            }
-        }
-    }
-    let shared = integrals
-        .into_iter()
-        .filter(|(_, [_, beside])| *beside != 0.0);
-    shared
-        .map(|(node, [own, beside])| (node, own / (own + beside)))
-        .collect()
 }
 
 /// The nodes that a physical curve or point stands for, ascending.
@@ -347,8 +286,6 @@ pub fn nodes_of(model: &Model, group: &str) -> Vec<usize> {
     }
     for &point in model.mesh.points.get(group).into_iter().flatten() {
         nodes.extend(node_at(model, point));
-        // Behind an interface that is spliced, a finite-element node beside the material point.
-        nodes.extend(model.node_of[point].map(|node| node as usize));
     }
     nodes.sort_unstable();
     nodes.dedup();
@@ -358,11 +295,7 @@ pub fn nodes_of(model: &Model, group: &str) -> Vec<usize> {
 /// The finite-element node at a mesh node, or the nearest material point within half a diagonal of
 /// its square.
 fn node_at(model: &Model, mesh_node: usize) -> Option<usize> {
-    let inner = model
-        .splice
-        .as_ref()
-        .map_or(&[][..], |splice| &splice.inner);
-    if let (Some(node), Err(_)) = (model.node_of[mesh_node], inner.binary_search(&mesh_node)) {
+    if let Some(node) = model.node_of[mesh_node] {
         return Some(node as usize);
     }
     let at = model.mesh.nodes[mesh_node];

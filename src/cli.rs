@@ -441,7 +441,7 @@ fn check(plan: &Plan, method: Option<Method>) -> Result<(), RunError> {
     println!(
         "  finite elements   {} with {} nodes",
         model.elements.len(),
-        model.fe_node_count() - model.inner_nodes().len()
+        model.fe_node_count()
     );
     println!("  material points   {}", model.areas.len());
     let (ties, what) = model.ties();

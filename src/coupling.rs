@@ -1,7 +1,6 @@
 //! Couplings: who ties the finite elements to the material points, and with which weight.
 
 pub mod clip;
-pub mod splice;
 pub mod truss;
 
 use truss::NodeArea;
@@ -13,6 +12,4 @@ pub enum Coupling {
     Truss(NodeArea),
     /// Bonds end where they cross the interface.
     Clip,
-    /// Each side reads the other's displacements; K is not symmetric.
-    Splice,
 }

@@ -2,7 +2,6 @@
 
 pub mod edge;
 pub mod element;
-pub mod locate;
 pub mod quad4;
 pub mod quad8;
 pub mod quadrature;

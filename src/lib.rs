@@ -39,7 +39,7 @@
 //! | [`material`] | E, ν → D |
 //! | [`peridynamics`] | eqs. (1)–(10), (16)–(19): kernel, lattice, bonds |
 //! | [`fem`] | eqs. (11)–(15): elements, quadrature, edge loads, recovery |
-//! | [`coupling`] | eq. (20): trusses; the splice |
+//! | [`coupling`] | eq. (20): trusses; clipped bonds |
 //! | [`springs`] | what bonds and trusses have in common |
 //! | [`model`] | all of it in one numbering of nodes |
 //! | [`boundary`], [`support`] | supports and loads; is the body held? |
@@ -105,12 +105,6 @@
 //! Couplings:
 //! - Shapeev A. V. (2012). Consistent energy-based atomistic/continuum coupling for two-body potentials
 //!   in one and two dimensions. Multiscale Modeling & Simulation 9, 905–932.
-//! - Galvanetto U., Mudrić T., Shojaei A., Zaccariotto M. (2016). An effective way to couple FEM meshes
-//!   and Peridynamics grids for the solution of static equilibrium problems. Mechanics Research
-//!   Communications 76, 41–47. The splice.
-//! - Ongaro G., Seleson P., Galvanetto U., Ni T., Zaccariotto M. (2021). Overall equilibrium in the
-//!   coupling of peridynamics and classical continuum mechanics. Computer Methods in Applied Mechanics
-//!   and Engineering 381, 113515.
 //!
 //! Finite elements and geometry:
 //! - Hinton E., Rock T., Zienkiewicz O. C. (1976). A note on mass lumping and related processes in the

@@ -1,6 +1,5 @@
-//! K U = R, Qian et al. (2021), eq. (11): ordering, symbolic and numeric factorisation, Cholesky where K
-//! is symmetric and LU where it is not, solution and its residual, each apart from the others; conjugate
-//! gradients where factors would be too large.
+//! K U = R, Qian et al. (2021), eq. (11): ordering, symbolic and numeric factorisation by Cholesky's method,
+//! solution and its residual, each apart from the others; conjugate gradients where factors would be too large.
 
 pub mod cholesky;
 pub mod columns;
@@ -9,11 +8,9 @@ mod elimination_tree;
 mod extend_add;
 pub mod held;
 mod kernels;
-pub mod lu;
 mod metis;
 mod multifrontal;
 pub mod ordering;
-mod partial_pivoting;
 mod path;
 mod refactorisation;
 pub mod supernodes;
@@ -21,8 +18,7 @@ pub mod tiles;
 mod triangular;
 pub mod two_level;
 
-use crate::assembly::Lists;
-use crate::assembly::stiffness::Stiffness;
+use crate::assembly::{Lists, LowerMatrix};
 use held::Held;
 use thiserror::Error;
 
@@ -40,7 +36,7 @@ pub enum SolverError {
     Singular { dof: usize },
 }
 
-/// How K U = R is solved where K is symmetric.
+/// How K U = R is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// By Cholesky's factors.
@@ -86,7 +82,6 @@ pub fn expected_factor_entries(nodes: usize, links: usize) -> f64 {
 #[derive(Clone, Debug)]
 pub enum Factor {
     Cholesky(cholesky::Factor),
-    Lu(Box<lu::Factor>),
     TwoLevel(Box<two_level::TwoLevel>),
 }
 
@@ -95,7 +90,6 @@ impl Factor {
     pub fn solve_in_place(&self, rhs: &mut [f64], goal: f64) {
         match self {
             Factor::Cholesky(factor) => factor.solve_in_place(rhs),
-            Factor::Lu(factor) => factor.solve_in_place(rhs),
             Factor::TwoLevel(solver) => {
                 solver.solve_in_place(rhs, goal);
             }
@@ -109,24 +103,19 @@ impl Factor {
     /// [`SolverError::NotPositiveDefinite`]: these are no factors until they have followed another change.
     pub fn refactorise(
         &mut self,
-        stiffness: &Stiffness,
+        stiffness: &LowerMatrix,
         held: Held,
         nodes: &[u32],
     ) -> Result<bool, SolverError> {
-        match (self, stiffness) {
-            (Factor::Cholesky(factor), Stiffness::Symmetric(lower)) => {
-                factor.refactorise(lower, held, nodes).map(|()| true)
-            }
-            (Factor::Lu(factor), Stiffness::Full(full)) => {
-                Ok(factor.refactorise(full, held, nodes))
-            }
-            _ => Ok(false),
+        match self {
+            Factor::Cholesky(factor) => factor.refactorise(stiffness, held, nodes).map(|()| true),
+            Factor::TwoLevel(_) => Ok(false),
         }
     }
 
     pub fn method(&self) -> Method {
         match self {
-            Factor::Cholesky(_) | Factor::Lu(_) => Method::Direct,
+            Factor::Cholesky(_) => Method::Direct,
             Factor::TwoLevel(_) => Method::TwoLevel,
         }
     }

@@ -7,13 +7,11 @@ pub mod bodies;
 mod check;
 pub mod node_axes;
 mod points;
-mod splice;
 mod trusses;
 
 use crate::assembly::ElementStiffness;
 use crate::coupling::Coupling;
 use crate::coupling::clip::FamilyShare;
-use crate::coupling::splice::SpliceError;
 use crate::cracks::Cracks;
 use crate::fem::element;
 use crate::geometry::{Outline, chords};
@@ -31,7 +29,6 @@ use thiserror::Error;
 use check::{check_cells, check_jacobian};
 
 pub use node_axes::NodeAxes;
-pub use splice::Splice;
 
 /// A part of the body: which cells of the mesh, what material, which method.
 #[derive(Clone, Debug)]
@@ -150,8 +147,6 @@ pub struct Model {
     pub clipped: Vec<FamilyShare>,
     /// ξ of the bond that each clipped one is a part of, in the order of the springs behind the pairs [m].
     clipped_from: Vec<f64>,
-    /// What the splice adds; `None` without an interface, or with another coupling.
-    pub splice: Option<Splice>,
     /// Whether each spring is there at the start: false where it meets an initial crack.
     pub intact: Vec<bool>,
     /// Axes of nodes that are held along neither x nor y.
@@ -201,8 +196,6 @@ pub enum ModelError {
         bytes: f64,
         machine: f64,
     },
-    #[error("region `{region}` cannot be spliced: {source}")]
-    Splice { region: String, source: SpliceError },
     #[error("the surface correction of region `{region}` fails: {source}")]
     Surface {
         region: String,
@@ -233,7 +226,6 @@ impl Model {
             bond_count: 0,
             clipped: Vec::new(),
             clipped_from: Vec::new(),
-            splice: None,
             intact: Vec::new(),
             node_axes: NodeAxes::new(),
             leader,
@@ -247,7 +239,6 @@ impl Model {
             Coupling::Truss(node_area) => model.add_trusses(node_area),
             // The bonds were clipped where they were made.
             Coupling::Clip => {}
-            Coupling::Splice => model.add_splice()?,
         }
         model.mix_materials();
         model.intact = vec![true; model.springs.len()];
@@ -276,15 +267,6 @@ impl Model {
     /// Finite-element nodes come first: their number.
     pub fn fe_node_count(&self) -> usize {
         self.node_count() - self.areas.len()
-    }
-
-    /// Forces act on the nodes from this one on. Under a splice that is the first material point: what a
-    /// spring exerts on the elements' nodes is in their own equations.
-    pub fn first_loaded_node(&self) -> usize {
-        match self.splice {
-            Some(_) => self.fe_node_count(),
-            None => 0,
-        }
     }
 
     /// Lower left and upper right corner of the box around the body [m]: material points may lie
@@ -355,7 +337,6 @@ impl Model {
         let what = match self.settings.coupling {
             Coupling::Truss(_) => "trusses",
             Coupling::Clip => "clipped bonds",
-            Coupling::Splice => "ghost bonds",
         };
         (self.springs.len() - self.bond_count, what)
     }
@@ -397,9 +378,6 @@ impl Model {
                     self.node_of[node] = Some(0);
                 }
             }
-        }
-        if self.settings.coupling == Coupling::Splice {
-            self.add_overlap()?;
         }
         for (mesh_node, node) in self.node_of.iter_mut().enumerate() {
             if node.is_some() {

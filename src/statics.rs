@@ -27,30 +27,11 @@ pub use factorised::Factorised;
 pub struct Solution {
     /// u of every node [m].
     pub displacement: Vec<[f64; 2]>,
-    /// Force that the supports exert at every node [N]; zero where nothing is prescribed. Under the
-    /// splice, what they exert on the overlap is left out: its part of the boundary is the material
-    /// points'.
+    /// Force that the supports exert at every node [N]; zero where nothing is prescribed.
     pub reaction: Vec<[f64; 2]>,
     /// ‖K u − f‖₂ / ‖f‖₂ over the free dofs, prescribed displacements in f.
     pub residual: f64,
     pub size: SystemSize,
-}
-
-impl Solution {
-    /// |Σ of loads and reactions| over the sum of their magnitudes [-]: rounding, but under the splice, whose
-    /// two sides see different forces.
-    pub fn imbalance(&self, boundary: &Boundary) -> f64 {
-        let forces = || {
-            let loads = boundary.load.chunks_exact(2).map(|f| [f[0], f[1]]);
-            self.reaction.iter().copied().chain(loads)
-        };
-        let sum = forces().fold([0.0; 2], |[x, y], [a, b]| [x + a, y + b]);
-        let magnitude: f64 = forces().map(|[x, y]| x.hypot(y)).sum();
-        match magnitude {
-            0.0 => 0.0,
-            magnitude => sum[0].hypot(sum[1]) / magnitude,
-        }
-    }
 }
 
 /// Sizes of the linear system.
@@ -255,7 +236,7 @@ impl<'a> Solver<'a> {
 
     /// The same for a body in which bonds break, under each of `cases`, which prescribe displacements
     /// on the same dofs. A chunk may hang on a hinge: K is positive semidefinite, so that a pivot
-    /// vanishes where such a mechanism begins (where K is not symmetric, LU probes for the motion), and
+    /// vanishes where such a mechanism begins, and
     /// holding that dof holds it: without force, if no load acts along it, which the residual of the free
     /// system tells. `mechanisms` collects these dofs;
     /// since bonds never heal, they stay.

@@ -142,7 +142,7 @@ pub fn loose_parts(model: &Model, boundary: &Boundary, intact: &[bool]) -> Vec<L
 }
 
 /// The sets of nodes that elements and intact springs with stiffness connect, ordered by their
-/// lowest node. A splice's slaves do not count: they follow their points and hold none.
+/// lowest node.
 fn connected_parts(model: &Model, intact: &[bool]) -> Vec<Vec<usize>> {
     let mut parent: Vec<u32> = (0..model.node_count() as u32).collect();
     let mut join = |a: u32, b: u32| {
@@ -157,9 +157,6 @@ fn connected_parts(model: &Model, intact: &[bool]) -> Vec<Vec<usize>> {
     }
     for element in 0..model.elements.len() {
         let nodes = model.element_nodes(element);
-        nodes.windows(2).for_each(|pair| join(pair[0], pair[1]));
-    }
-    for nodes in model.overlap_nodes() {
         nodes.windows(2).for_each(|pair| join(pair[0], pair[1]));
     }
     let mut parts: BTreeMap<u32, Vec<usize>> = BTreeMap::new();

@@ -8,13 +8,10 @@ mod common;
 use common::*;
 use faer::Side;
 use faer::linalg::solvers::Solve;
-use peristitch::assembly::full::{FullMatrix, FullPattern};
-use peristitch::assembly::stiffness::Stiffness;
 use peristitch::assembly::{LowerMatrix, Pattern};
 use peristitch::linear_solver::SolverError;
 use peristitch::linear_solver::cholesky::Symbolic;
-use peristitch::linear_solver::lu;
-use peristitch::linear_solver::ordering::{Ordering, elimination_order};
+use peristitch::linear_solver::ordering::Ordering;
 use peristitch::material::PlaneState;
 use peristitch::mesh::CellKind;
 use peristitch::model::{Method, Model};
@@ -54,10 +51,8 @@ fn system(model: &Model) -> (Pattern, LowerMatrix) {
     let held: Vec<bool> = (0..2 * model.node_count())
         .map(|dof| model.positions[dof / 2][0] < 0.03)
         .collect();
-    match Stiffness::Symmetric(stiffness).hold(&held) {
-        Stiffness::Symmetric(matrix) => (pattern, matrix),
-        Stiffness::Full(_) => unreachable!("it was symmetric"),
-    }
+    let matrix = stiffness.hold(&held, stiffness.mean_diagonal());
+    (pattern, matrix)
 }
 
 fn symbolic(pattern: &Pattern, ordering: Ordering) -> Symbolic {
@@ -178,83 +173,6 @@ fn what_is_not_positive_definite_is_named() {
         "{error}"
     );
     symbolic.factorise(&matrix).expect("as before");
-}
-
-/// All of K on a lattice of 60 × 60 points, entry by entry changed by `change(row, column, value)`.
-fn full(change: impl Fn(usize, usize, f64) -> f64) -> (FullPattern, FullMatrix) {
-    let model = model(0.0, 60);
-    let pattern = FullPattern::new(model.node_count(), 0, &model.springs, &[]);
-    let mut matrix = pattern.assemble(&model.positions, &model.springs, &[]);
-    let (structure, values) = matrix.parts_mut();
-    for column in 0..structure.ncols() {
-        for k in structure.col_range(column) {
-            values[k] = change(structure.row_idx()[k] as usize, column, values[k]);
-        }
-    }
-    (pattern, matrix)
-}
-
-fn symbolic_lu(pattern: &FullPattern) -> lu::Symbolic {
-    let order = elimination_order(Ordering::Metis, &pattern.graph).expect("an order");
-    lu::Symbolic::new(pattern.symbolic(), pattern.symmetrised().as_ref(), &order)
-}
-
-/// A matrix that is not symmetric, as the splice's are: pivots within the supernodes do, the solution is
-/// faer's with all rows to choose from, and any number of threads gives the same bits.
-#[test]
-fn lu_solutions_are_those_with_all_rows_to_choose_from() {
-    let (pattern, matrix) = full(|row, column, value| match row == column {
-        true => 1.02 * value,
-        false => value * (1.0 + 0.2 * ((row * 7 + column * 3) % 11) as f64 / 11.0 - 0.1),
-    });
-    let symbolic = symbolic_lu(&pattern);
-    let solve = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.expect("a pool").install(|| {
-            let factor = symbolic.factorise(&matrix).expect("it can be inverted");
-            assert!(factor.kept_to_its_rows());
-            let mut x = loads(matrix.ncols(), 1);
-            factor.solve_in_place(&mut x);
-            x
-        })
-    };
-    let x = solve(1);
-    let mut expected = loads(matrix.ncols(), 1);
-    let factor = symbolic.factorise_with_all_rows(&matrix);
-    factor
-        .expect("it can be inverted")
-        .solve_in_place(&mut expected);
-    let largest = expected.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
-    for (x, e) in x.iter().zip(&expected) {
-        assert!((x - e).abs() < TOLERANCE * largest, "{x:e} for {e:e}");
-    }
-    for threads in [2, 3] {
-        assert_eq!(solve(threads), x, "{threads} threads");
-    }
-}
-
-/// Two neighbours that read each other only: their diagonal is zero, and the row with their pivot may
-/// be in another supernode.
-#[test]
-fn lu_looks_at_all_rows_where_a_supernode_has_no_pivot() {
-    let partner = |dof: usize| {
-        if (dof / 2).is_multiple_of(2) {
-            dof + 2
-        } else {
-            dof - 2
-        }
-    };
-    let (pattern, matrix) = full(|row, column, _| f64::from(u8::from(column == partner(row))));
-    let factor = symbolic_lu(&pattern)
-        .factorise(&matrix)
-        .expect("a permutation");
-    assert!(!factor.kept_to_its_rows());
-    let b = loads(matrix.ncols(), 1);
-    let mut x = b.clone();
-    factor.solve_in_place(&mut x);
-    for dof in 0..x.len() {
-        assert_eq!(x[dof], b[partner(dof)]);
-    }
 }
 
 /// By products of L⁻¹ E, and by whole solutions: sums of the same products in another order.

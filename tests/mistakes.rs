@@ -1,4 +1,4 @@
-//! The forty most likely mistakes: each gives one message with file, line, cause and fix, exit code 2, and
+//! The most likely mistakes: each gives one message with file, line, cause and fix, exit code 2, and
 //! nothing is written.
 
 mod workplace;
@@ -22,7 +22,7 @@ struct Mistake {
 }
 
 #[rustfmt::skip]
-const MISTAKES: [Mistake; 40] = [
+const MISTAKES: [Mistake; 41] = [
     Mistake {
         what: "a key is misspelt", file: BAR,
         old: "horizon:",
@@ -238,7 +238,14 @@ const MISTAKES: [Mistake; 40] = [
         old: "coupling: truss",
         new: "coupling: glue",
         place: "bar.yaml:16:11", cause: "cannot be `glue`",
-        fix: "`truss`, `clip`, `splice`",
+        fix: "`truss`, `clip`",
+    },
+    Mistake {
+        what: "the coupling was removed", file: BAR,
+        old: "coupling: truss",
+        new: "coupling: splice",
+        place: "bar.yaml:16:11", cause: "`coupling` cannot be `splice`: it was removed",
+        fix: "write `coupling: clip`",
     },
     Mistake {
         what: "nothing holds the body", file: BAR,

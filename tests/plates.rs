@@ -224,10 +224,10 @@ fn two_cracks_stay_mirror_images() {
     );
 }
 
-/// `plate_mode_i` with the couplings that pass the patch test, as docs/fracture.md has it: first break, peak, the
+/// `plate_mode_i` with the coupling that passes the patch test, as docs/fracture.md has it: first break, peak, the
 /// reaction under 10 and 3 % of it, separation.
 #[test]
-fn one_crack_under_clip_and_splice() {
+fn one_crack_under_clip() {
     for (coupling, expected) in [
         ("clip", [44, 65, 91, 93, 123]),
         ("splice", [44, 65, 91, 92, 94]),

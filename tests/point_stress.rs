@@ -103,32 +103,31 @@ fn islanded_plate(coupling: Coupling, kind: CellKind, degrees: f64) -> Model {
 #[test]
 fn what_is_pulled_uniformly_has_one_stress() {
     const TRACTION: f64 = 1.05e6;
-    for coupling in [Coupling::Clip, Coupling::Splice] {
-        for kind in [CellKind::Quad8, CellKind::Quad4, CellKind::Tri6] {
-            for degrees in [0.0, 20.0] {
-                let what = format!("{coupling:?} {kind:?} {degrees}°");
-                let model = islanded_plate(coupling, kind, degrees);
-                let mut boundary = Boundary::new(&model);
-                for (group, u) in [("left", [Some(0.0), None]), ("bottom", [None, Some(0.0)])] {
-                    boundary.displace(&model, group, u).expect("a support");
-                }
-                let pull = EdgeLoad::Traction([TRACTION, 0.0]);
-                boundary.press(&model, "right", pull).expect("a side");
-                let solution = statics::solve(&model, &boundary, &mut Phases::default());
-                let u = solution.expect("a solution").displacement;
-                let elements = NodalFields::new(&model, &u).stress;
-                let points = PointFields::new(&model, &u, &model.intact).stress;
-                assert!(points.len() > 100, "{what}: {} points", points.len());
-                let all = elements.iter().chain(&points);
-                let error = |stress: &[f64; 4]| {
-                    let expected = [TRACTION, 0.0, 0.0, 0.0];
-                    let parts = stress.iter().zip(expected).map(|(s, e)| (s - e).abs());
-                    parts.fold(0.0, f64::max) / TRACTION
-                };
-                let largest = all.map(error).fold(0.0, f64::max);
-                // Differences of displacements that are exact to rounding: up to 4e-14.
-                assert!(largest < 1e-12, "{what}: {largest:.1e}");
+    let coupling = Coupling::Clip;
+    for kind in [CellKind::Quad8, CellKind::Quad4, CellKind::Tri6] {
+        for degrees in [0.0, 20.0] {
+            let what = format!("{coupling:?} {kind:?} {degrees}°");
+            let model = islanded_plate(coupling, kind, degrees);
+            let mut boundary = Boundary::new(&model);
+            for (group, u) in [("left", [Some(0.0), None]), ("bottom", [None, Some(0.0)])] {
+                boundary.displace(&model, group, u).expect("a support");
             }
+            let pull = EdgeLoad::Traction([TRACTION, 0.0]);
+            boundary.press(&model, "right", pull).expect("a side");
+            let solution = statics::solve(&model, &boundary, &mut Phases::default());
+            let u = solution.expect("a solution").displacement;
+            let elements = NodalFields::new(&model, &u).stress;
+            let points = PointFields::new(&model, &u, &model.intact).stress;
+            assert!(points.len() > 100, "{what}: {} points", points.len());
+            let all = elements.iter().chain(&points);
+            let error = |stress: &[f64; 4]| {
+                let expected = [TRACTION, 0.0, 0.0, 0.0];
+                let parts = stress.iter().zip(expected).map(|(s, e)| (s - e).abs());
+                parts.fold(0.0, f64::max) / TRACTION
+            };
+            let largest = all.map(error).fold(0.0, f64::max);
+            // Differences of displacements that are exact to rounding: up to 4e-14.
+            assert!(largest < 1e-12, "{what}: {largest:.1e}");
         }
     }
 }

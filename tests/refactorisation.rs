@@ -6,10 +6,9 @@ mod common;
 
 use common::*;
 use peristitch::assembly::Pattern;
-use peristitch::assembly::full::FullPattern;
 use peristitch::linear_solver::held::Held;
-use peristitch::linear_solver::ordering::{Ordering, elimination_order};
-use peristitch::linear_solver::{SolverError, cholesky, lu};
+use peristitch::linear_solver::ordering::Ordering;
+use peristitch::linear_solver::{SolverError, cholesky};
 use peristitch::material::PlaneState;
 use peristitch::mesh::CellKind;
 use peristitch::model::{Method, Model};
@@ -168,36 +167,5 @@ fn cholesky_has_the_bits_of_a_whole_factorisation() {
         factor.solve_in_place(&mut x);
         again.expect("it is held").solve_in_place(&mut expected);
         assert_eq!(x, expected);
-    }
-}
-
-#[test]
-fn lu_has_the_bits_of_a_whole_factorisation() {
-    let mut body = Body::new(model(false));
-    let Model {
-        springs, positions, ..
-    } = &body.model;
-    let (springs, positions) = (springs.clone(), positions.clone());
-    let pattern = FullPattern::new(positions.len(), 0, &springs, &[]);
-    let order = elimination_order(Ordering::Metis, &pattern.graph).expect("an order");
-    let symbolic = lu::Symbolic::new(pattern.symbolic(), pattern.symmetrised().as_ref(), &order);
-    let intact = body.intact.clone();
-    let mut k = pattern.assemble_intact(&positions, &springs, |s| intact[s], &[]);
-    let factor = symbolic.factorise_held(&k, body.held(), &[]);
-    let mut factor = factor.expect("it is held");
-    for step in 0..8 {
-        let x = 1.0 - 0.05 * step as f64;
-        let nodes = body.tear(x - 0.05, x);
-        let is_intact = |s: usize| body.intact[s];
-        pattern.reassemble(&mut k, &nodes, &positions, &springs, is_intact, &[]);
-        let whole = pattern.assemble_intact(&positions, &springs, is_intact, &[]);
-        assert_eq!(k.val(), whole.val(), "step {step}");
-        assert!(factor.refactorise(&k, body.held(), &nodes));
-        assert!(factor.kept_to_its_rows());
-        let again = symbolic.factorise_held(&whole, body.held(), &[]);
-        let [mut x, mut expected] = [load(k.ncols()), load(k.ncols())];
-        factor.solve_in_place(&mut x);
-        again.expect("it is held").solve_in_place(&mut expected);
-        assert_eq!(x, expected, "step {step}");
     }
 }

@@ -89,12 +89,3 @@ fn a_central_crack_event_by_event() {
     let settings = ["loading.control=event-driven", "loading.steps=100"];
     assert!(compare("plate_mode_i", &settings) > 300);
 }
-
-/// K of the splice is not symmetric.
-#[test]
-fn the_splice_step_by_step_and_event_by_event() {
-    let coarse = ["coupling=splice", "regions.1.spacing=1 mm"];
-    assert!(compare("plate_mode_i", &coarse) > 1000);
-    let events = ["loading.control=event-driven", "loading.steps=60"];
-    assert!(compare("plate_mode_i", &[&coarse[..], &events].concat()) > 200);
-}

@@ -282,7 +282,6 @@ fn no_coupling_reaches_across_a_notch() {
     for (name, coupling) in [
         ("truss", Coupling::Truss(NodeArea::Lumped)),
         ("clip", Coupling::Clip),
-        ("splice", Coupling::Splice),
     ] {
         for correction in [SurfaceCorrection::Force, SurfaceCorrection::LeastSquares] {
             let grid = Grid {
@@ -291,12 +290,7 @@ fn no_coupling_reaches_across_a_notch() {
                 kind: CellKind::Quad4,
             };
             let mut mesh = grid.plain();
-            // The splice wants blocks of 4 × 4 points beside its interface.
-            let left = if coupling == Coupling::Splice {
-                1.3
-            } else {
-                1.1
-            };
+            let left = 1.1;
             let is_notch = |[x, y]: [f64; 2]| x > left && x < left + 0.05 && y > 0.5;
             let middle = left + 0.025;
             name_cells(&mut mesh, "elements", |x| x[0] < 1.0);

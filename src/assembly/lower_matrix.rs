@@ -95,11 +95,54 @@ impl LowerMatrix {
         let place = self.row_idx_of_col_raw(j).binary_search(&(i as u32));
         place.ok().map(|place| &self.val_of_col(j)[place])
     }
+
+    /// Mean of the diagonal: the scale of a stiffness matrix.
+    pub fn mean_diagonal(&self) -> f64 {
+        let n = self.ncols();
+        // The lower triangle's columns start at their diagonal.
+        (0..n).map(|j| self.val_of_col(j)[0]).sum::<f64>() / n as f64
+    }
+
+    /// The same matrix with the rows and columns of held dofs cleared and one number on their diagonal.
+    pub fn hold(&self, is_held: &[bool], diagonal: f64) -> LowerMatrix {
+        let mut held = self.clone();
+        let (symbolic, values) = held.parts_mut();
+        for column in 0..symbolic.ncols() {
+            let rows = symbolic.row_idx_of_col_raw(column);
+            let entries = rows.iter().zip(&mut values[symbolic.col_range(column)]);
+            for (&row, value) in entries {
+                let row = row as usize;
+                if is_held[column] || is_held[row] {
+                    *value = if row == column { diagonal } else { 0.0 };
+                }
+            }
+        }
+        held
+    }
 }
 
-/// Mean of the diagonal: the scale of a stiffness matrix.
-pub fn mean_diagonal(matrix: &LowerMatrix) -> f64 {
-    let n = matrix.ncols();
-    // The lower triangle's columns start at their diagonal.
-    (0..n).map(|j| matrix.val_of_col(j)[0]).sum::<f64>() / n as f64
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use faer::sparse::{SparseColMat, Triplet};
+
+    /// [[4, 1, 0], [1, 3, 2], [0, 2, 5]].
+    #[test]
+    fn a_matrix_multiplies_with_its_upper_triangle_and_with_a_dof_held() {
+        let entries = [
+            (0, 0, 4.0),
+            (1, 0, 1.0),
+            (1, 1, 3.0),
+            (2, 1, 2.0),
+            (2, 2, 5.0),
+        ];
+        let entries = entries.map(|(i, j, value)| Triplet::new(i, j, value));
+        let matrix = SparseColMat::try_new_from_triplets(3, 3, &entries).expect("a matrix");
+        let (symbolic, values) = matrix.into_parts();
+        let matrix = LowerMatrix::new(Arc::new(symbolic), values);
+        assert_eq!(matrix.mean_diagonal(), 4.0);
+        assert_eq!(matrix.multiply(&[1.0, 2.0, 3.0]), [6.0, 13.0, 19.0]);
+        let held = matrix.hold(&[false, true, false], matrix.mean_diagonal());
+        assert_eq!(held.multiply(&[1.0, 2.0, 3.0]), [4.0, 8.0, 15.0]);
+    }
 }

@@ -4,7 +4,7 @@
 //! are prescribed. Where supports of different axes meet at a node, two independent directions fix it
 //! altogether, and it keeps x and y; directions that are parallel must agree.
 
-use super::{Boundary, BoundaryError, layer, nodes_of, outline_edges, own_shares};
+use super::{Boundary, BoundaryError, layer, nodes_of, outline_edges};
 use crate::fem::edge::{EdgeLoad, consistent_load};
 use crate::model::Model;
 use crate::model::node_axes::direction;
@@ -49,20 +49,8 @@ impl Boundary {
         if directions == Directions::Turned(0.0) {
             return self.displace(model, group, components);
         }
-        let shares = own_shares(model, group);
         for (node, axes) in axes_of(model, group, directions)? {
             self.constrain(model, group, node, axes, components)?;
-            for axis in 0..2 {
-                let dof = 2 * node + axis;
-                match shares.get(&node) {
-                    Some(&share) if self.prescribed.contains_key(&dof) => {
-                        self.own_share.insert(dof, share);
-                    }
-                    _ => {
-                        self.own_share.remove(&dof);
-                    }
-                }
-            }
         }
         Ok(())
     }

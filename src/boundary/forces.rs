@@ -12,11 +12,9 @@
 //!
 //! A force per *volume* b acts on elements by ∫ N_a b h_t dA and on material points by b h_t times the part
 //! of their squares in the surface that it is given for, slivers as in [`crate::peridynamics::lattice`]; so
-//! the resultant is exact, whatever the areas A_i. Under the splice both sides' equations are complete: a
-//! point has b A_i h_t, and the overlap's elements their loads.
+//! the resultant is exact, whatever the areas A_i.
 
 use super::{Boundary, BoundaryError, length, outline_edges};
-use crate::coupling::Coupling;
 use crate::fem::edge::EdgeLoad;
 use crate::fem::element;
 use crate::geometry::Outline;
@@ -68,18 +66,9 @@ impl Boundary {
 
     /// Whether there is anything that takes the force at a node of the mesh.
     fn push_point(&mut self, model: &Model, mesh_node: usize, force: [f64; 2]) -> bool {
-        let inner = model
-            .splice
-            .as_ref()
-            .map_or(&[][..], |splice| &splice.inner);
         if let Some(node) = model.node_of[mesh_node] {
-            let node = node as usize;
-            if inner.binary_search(&mesh_node).is_err() {
-                self.add_force(node, force);
-                return true;
-            }
-            // The overlap's equations are complete.
-            (0..2).for_each(|axis| self.overlap_load[2 * node + axis] += force[axis]);
+            self.add_force(node as usize, force);
+            return true;
         }
         let at = model.mesh.nodes[mesh_node];
         let Some(points) = points_at(model, at) else {
@@ -118,7 +107,6 @@ impl Boundary {
                 }
             }
         }
-        self.weigh_overlap(model, &cells, density);
         for points in &model.points {
             for (node, volume) in volumes_of_points(model, points, &cells) {
                 self.add_force(node, density.map(|b| b * volume));
@@ -133,28 +121,6 @@ impl Boundary {
         let shares = element::shape_integrals(model.cell(element).kind, &coordinates);
         let thickness = model.settings.thickness;
         shares.into_iter().map(|share| share * thickness).collect()
-    }
-
-    fn weigh_overlap(&mut self, model: &Model, cells: &BTreeSet<usize>, density: [f64; 2]) {
-        let overlap = model.splice.iter().flat_map(|splice| &splice.overlap);
-        for &(_, cell) in overlap.filter(|(_, cell)| cells.contains(cell)) {
-            let of_cell = &model.mesh.cells[cell];
-            let coordinates: Vec<_> = of_cell
-                .nodes()
-                .iter()
-                .map(|&n| model.mesh.nodes[n])
-                .collect();
-            let shares = element::shape_integrals(of_cell.kind, &coordinates);
-            for (&mesh_node, share) in of_cell.nodes().iter().zip(shares) {
-                let Some(node) = model.node_of[mesh_node] else {
-                    continue;
-                };
-                for (axis, b) in density.into_iter().enumerate() {
-                    let force = b * share * model.settings.thickness;
-                    self.overlap_load[2 * node as usize + axis] += force;
-                }
-            }
-        }
     }
 }
 
@@ -225,21 +191,12 @@ fn volumes_of_points(
         return Vec::new();
     };
     let own = model.lattice_cells(points.region);
-    let all = own.len();
     let part: Vec<usize> = own.into_iter().filter(|c| cells.contains(c)).collect();
     if part.is_empty() {
         return Vec::new();
     }
     let axes = settings.lattice.axes();
     let thickness = model.settings.thickness;
-    let first = model.fe_node_count();
-    let is_spliced = model.settings.coupling == Coupling::Splice && model.splice.is_some();
-    if is_spliced && part.len() == all {
-        let nodes = points.nodes.clone();
-        return nodes
-            .map(|node| (node, model.areas[node - first] * thickness))
-            .collect();
-    }
     let positions: Vec<[f64; 2]> = points
         .nodes
         .clone()

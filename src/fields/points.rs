@@ -39,9 +39,7 @@ impl PointFields {
         let ends = bonds.flat_map(|(bond, pair)| pair.map(|node| (bond, node)));
         let of_clip = model.clipped.iter();
         let clipped = of_clip.map(|c| (pairs.len() + c.spring as usize, c.point));
-        let ghosts = model.splice.iter().flat_map(|splice| &splice.ghosts);
-        let of_ghosts = (pairs.len()..).zip(ghosts.map(|ghost| ghost.point));
-        for (bond, node) in ends.chain(clipped).chain(of_ghosts) {
+        for (bond, node) in ends.chain(clipped) {
             let (xi, [nx, ny]) = model.springs.axis(bond, &model.positions);
             let q = Vector3::new(nx * nx, ny * ny, nx * ny);
             let weight = model.springs.stiffness[bond] * xi * xi;

@@ -162,11 +162,7 @@ impl Gone {
                 }
             });
             let stiffness = model.springs.stiffness[bond];
-            self.springs.push(Spring {
-                stiffness,
-                terms,
-                acting: None,
-            });
+            self.springs.push(Spring { stiffness, terms });
         }
         self.loads.append(&start.compliance.loads, &new);
         let size = self.dofs.len();

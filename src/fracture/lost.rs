@@ -12,22 +12,13 @@ pub struct Spring {
     pub stiffness: f64,
     /// w.
     pub terms: Vec<(usize, f64)>,
-    /// Those of w where its forces act, if not all: a splice has some of its nodes follow others, and these take
-    /// none.
-    pub acting: Option<Vec<(usize, f64)>>,
-}
-
-impl Spring {
-    pub fn acting(&self) -> &[(usize, f64)] {
-        self.acting.as_ref().unwrap_or(&self.terms)
-    }
 }
 
 /// Adds S z.
 pub fn add_forces(springs: &[Spring], z: &[f64], forces: &mut [f64]) {
     for spring in springs {
         let elongation: f64 = spring.terms.iter().map(|&(place, w)| w * z[place]).sum();
-        for &(place, w) in spring.acting() {
+        for &(place, w) in &spring.terms {
             forces[place] += spring.stiffness * elongation * w;
         }
     }
@@ -41,7 +32,7 @@ pub fn subtract(system: MatMut<f64>, compliance: MatRef<f64>, springs: &[Spring]
         let mut column = vec![0.0; system.nrows()];
         for spring in springs {
             column.fill(0.0);
-            for &(place, w) in spring.acting() {
+            for &(place, w) in &spring.terms {
                 let own = slice(compliance.col(place));
                 add(&mut column, spring.stiffness * w, own);
             }

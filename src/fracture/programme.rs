@@ -63,16 +63,12 @@ impl Programme {
     pub fn held(&self, phase: usize) -> Option<Boundary> {
         let mut sum = self.phases[..phase].first()?.boundary.clone();
         sum.load.fill(0.0);
-        sum.overlap_load.fill(0.0);
         sum.prescribed
             .values_mut()
             .for_each(|(value, _)| *value = 0.0);
         for LoadPhase { boundary, end, .. } in &self.phases[..phase] {
             let end = end.expect("only the last phase has no end");
             for (total, f) in sum.load.iter_mut().zip(&boundary.load) {
-                *total += end * f;
-            }
-            for (total, f) in sum.overlap_load.iter_mut().zip(&boundary.overlap_load) {
                 *total += end * f;
             }
             for (dof, (value, _)) in &boundary.prescribed {

@@ -142,7 +142,6 @@ impl Response {
             return Ok(response);
         }
         if problem.control == Control::EventDriven
-            && factorised.is_symmetric()
             && let Event::Break(load) = response.next_event(problem, state)
         {
             let start = Instant::now();

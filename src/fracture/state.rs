@@ -182,7 +182,7 @@ impl State {
             let spring = spring as usize;
             let length = model.springs.length(spring, &model.positions);
             let after = length * response.stretch(problem, spring, load);
-            let stiffness = model.bond_share(spring) * model.springs.stiffness[spring];
+            let stiffness = model.springs.stiffness[spring];
             self.energy.dissipated += 0.5 * stiffness * before * after;
         }
     }
@@ -275,16 +275,6 @@ pub fn damage(model: &Model, intact: &[bool]) -> Vec<f64> {
             if !intact[bond] {
                 broken[own] += area;
             }
-        }
-    }
-    let ghosts = model.splice.iter().flat_map(|splice| &splice.ghosts);
-    for (bond, ghost) in (model.springs.pairs().len()..).zip(ghosts) {
-        let xi = model.springs.length(bond, &model.positions);
-        let area = model.ghost_area(ghost) * model.area_fraction(ghost.point as usize, xi);
-        let own = ghost.point as usize - first;
-        whole[own] += area;
-        if !intact[bond] {
-            broken[own] += area;
         }
     }
     for share in &model.clipped {

@@ -157,20 +157,15 @@ impl Touched {
 
     fn spring(&self, problem: &Problem, spring: usize) -> Spring {
         let model = problem.model;
-        let first = model.first_loaded_node();
-        let (mut terms, mut acting) = (Vec::new(), Vec::new());
+        let mut terms = Vec::new();
         model.for_each_term(spring, |node, w| {
             for (axis, w) in w.into_iter().enumerate() {
                 let place = self.place[&(2 * node as usize + axis)];
                 terms.push((place, w));
-                if node as usize >= first {
-                    acting.push((place, w));
-                }
             }
         });
         Spring {
             stiffness: model.springs.stiffness[spring],
-            acting: (acting.len() < terms.len()).then_some(acting),
             terms,
         }
     }

@@ -232,11 +232,8 @@ impl Costs {
             true => factorised.flops,
             false => factorised.flops_above(&nodes),
         };
-        let most_dofs = match factorised.is_symmetric() {
-            // G, I − G S and its factors, and X with some more rows than these.
-            true => (entries / 9.0).sqrt(),
-            false => entries / factorised.dofs() as f64,
-        };
+        // G, I − G S and its factors, and X with some more rows than these.
+        let most_dofs = (entries / 9.0).sqrt();
         Costs {
             factorisation: FACTORISATION * flops + REFINEMENT * entries,
             per_dof: PER_DOF * entries,

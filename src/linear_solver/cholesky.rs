@@ -5,14 +5,14 @@
 //! ```
 
 use super::SolverError;
-use super::extend_add::{Entries, Part};
+use super::extend_add::Part;
 use super::held::{Held, HeldColumns};
 use super::multifrontal::{self, Child, Front, NotPositive, Pool};
 use super::ordering::{Ordering, elimination_order};
 use super::refactorisation::{self, Kept};
 use super::supernodes::Supernodes;
 use super::tiles::{self, PANEL};
-use super::triangular::{self, Factors, Wanted};
+use super::triangular::{self, Wanted};
 use crate::assembly::{Lists, LowerMatrix};
 use faer::dyn_stack::{MemStack, StackReq};
 use faer::sparse::SymbolicSparseColMatRef;
@@ -69,7 +69,7 @@ impl Symbolic {
 
     /// Entries that the factorisation holds beside those of L.
     pub fn waiting_entries(&self) -> usize {
-        self.structure.waiting_entries(Fronts::PASSED)
+        self.structure.waiting_entries()
     }
 
     /// Multiplications and additions of the numeric factorisation: w³/3 + w²r + wr² for each
@@ -206,8 +206,7 @@ impl Factor {
 
     /// Overwrites `rhs`, right-hand sides one after the other, by K⁻¹ rhs: eight cost twice as much as one.
     pub fn solve_in_place(&self, rhs: &mut [f64]) {
-        let factors = Factors::Symmetric(&self.values);
-        triangular::solve(&self.structure, factors, rhs, Wanted::All);
+        triangular::solve(&self.structure, &self.values, rhs, Wanted::All);
     }
 
     /// The same where only the unknowns of some nodes are asked for; the others may become nothing. Reads no more
@@ -217,8 +216,7 @@ impl Factor {
         for s in self.structure.above(nodes) {
             wanted[s] = true;
         }
-        let (factors, wanted) = (Factors::Symmetric(&self.values), Wanted::Some(&wanted));
-        triangular::solve(&self.structure, factors, rhs, wanted);
+        triangular::solve(&self.structure, &self.values, rhs, Wanted::Some(&wanted));
     }
 }
 
@@ -230,8 +228,6 @@ struct Fronts<'a> {
 }
 
 impl Front for Fronts<'_> {
-    const PASSED: Entries = Entries::Lower;
-
     fn start(&self, s: usize) -> usize {
         self.structure.block_start(s)
     }
@@ -270,7 +266,7 @@ impl Front for Fronts<'_> {
         let product = |passed: MatMut<f64>, first: usize| {
             tiles::subtract_square(passed, first, l21, Accum::Replace);
         };
-        multifrontal::pass_up(children, width, rows, update, Fronts::PASSED, product);
+        multifrontal::pass_up(children, width, rows, update, product);
         Ok(())
     }
 }
@@ -290,7 +286,7 @@ impl Fronts<'_> {
                 first_row: 0,
                 height,
             };
-            multifrontal::add_children(children, part, Entries::Lower);
+            multifrontal::add_children(children, part);
         });
     }
 

@@ -13,44 +13,30 @@ pub struct Part<'a> {
     pub height: usize,
 }
 
-/// Which entries of an update count. They are stored column by column in panels of [`PANEL`] of them; those of a
-/// lower triangle without the rows above the panel.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Entries {
-    All,
-    Lower,
+// Updates are lower triangles, stored column by column in panels of [`PANEL`] of them without the rows above the
+// panel.
+
+/// How many numbers an update of so many rows has.
+pub fn update_entries(rows: usize) -> usize {
+    let last = rows / PANEL * PANEL;
+    entries_before(last, rows) + (rows - last) * (rows - last)
 }
 
-impl Entries {
-    /// How many numbers an update of so many rows has.
-    pub fn count(self, rows: usize) -> usize {
-        let last = rows / PANEL * PANEL;
-        self.before(last, rows) + (rows - last) * (rows - self.first_row(last))
-    }
+/// The first row of the panel that a column is in.
+pub fn first_row(column: usize) -> usize {
+    column / PANEL * PANEL
+}
 
-    /// The first row of the panel that a column is in.
-    pub fn first_row(self, column: usize) -> usize {
-        match self {
-            Entries::All => 0,
-            Entries::Lower => column / PANEL * PANEL,
-        }
-    }
+/// How many numbers stand before the panel that begins with a column.
+fn entries_before(column: usize, rows: usize) -> usize {
+    column * (2 * rows + PANEL - column) / 2
+}
 
-    /// How many numbers stand before the panel that begins with a column.
-    fn before(self, column: usize, rows: usize) -> usize {
-        match self {
-            Entries::All => column * rows,
-            Entries::Lower => column * (2 * rows + PANEL - column) / 2,
-        }
-    }
-
-    /// A column of an update from its first row on, of which those above its panel are others' numbers.
-    #[inline(always)]
-    fn column(self, update: &[f64], column: usize, rows: usize) -> &[f64] {
-        let first = self.first_row(column);
-        let panel = self.before(column / PANEL * PANEL, rows);
-        &update[panel + column % PANEL * (rows - first) - first..][..rows]
-    }
+/// A column of an update from its first row on, of which those above its panel are others' numbers.
+#[inline(always)]
+fn update_column(update: &[f64], column: usize, rows: usize) -> &[f64] {
+    let first = first_row(column);
+    &update[entries_before(first, rows) + column % PANEL * (rows - first) - first..][..rows]
 }
 
 /// Rows of a child that are next to each other in its parent.
@@ -58,8 +44,6 @@ pub struct Runs {
     /// Row of the child, row of the parent's front, length; ascending.
     runs: Vec<[usize; 3]>,
     rows: usize,
-    /// Columns of the parent.
-    width: usize,
 }
 
 impl Runs {
@@ -78,30 +62,16 @@ impl Runs {
         Runs {
             runs,
             rows: places.len(),
-            width,
         }
-    }
-
-    /// How many of the child's rows are the parent's columns.
-    pub fn inside(&self) -> usize {
-        let after = self.runs.iter().find(|[_, place, _]| *place >= self.width);
-        after.map_or(self.rows, |&[row, ..]| row)
-    }
-
-    /// Row of the parent's front for each row of the child.
-    pub fn places(&self) -> impl Iterator<Item = usize> + '_ {
-        let places = |&[_, place, length]: &[usize; 3]| place..place + length;
-        self.runs.iter().flat_map(places)
     }
 
     /// Adds what falls into a part of the parent's front, which begins at its first row or at the first that it
     /// passes on.
-    pub fn add(&self, update: &[f64], part: &mut Part, entries: Entries) {
+    pub fn add(&self, update: &[f64], part: &mut Part) {
         Arch::new().dispatch(Added {
             runs: self,
             update,
             part,
-            entries,
         });
     }
 }
@@ -110,7 +80,6 @@ struct Added<'a, 'p> {
     runs: &'a Runs,
     update: &'a [f64],
     part: &'a mut Part<'p>,
-    entries: Entries,
 }
 
 impl WithSimd for Added<'_, '_> {
@@ -118,31 +87,21 @@ impl WithSimd for Added<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Added {
-            runs,
-            update,
-            part,
-            entries,
-        } = self;
+        let Added { runs, update, part } = self;
         let (begin, end) = (part.columns.start, part.columns.end);
         let all = &runs.runs;
         let first = all.partition_point(|&[_, place, length]| place + length <= begin);
         let reached = all[first..].partition_point(|&[_, place, _]| place < end);
-        let below = all.partition_point(|&[_, place, _]| place < part.first_row);
         for k in first..first + reached {
             let [row, place, length] = all[k];
             for j in begin.saturating_sub(place)..length.min(end - place) {
-                let from = entries.column(update, row + j, runs.rows);
+                let from = update_column(update, row + j, runs.rows);
                 let to = &mut part.values[(place + j - begin) * part.height..][..part.height];
-                let rest = match entries {
-                    Entries::All => &all[below..],
-                    Entries::Lower => {
-                        let own = &from[row + j..row + length];
-                        add(&mut to[place + j - part.first_row..], own);
-                        &all[k + 1..]
-                    }
-                };
-                for &[row, place, length] in rest {
+                add(
+                    &mut to[place + j - part.first_row..],
+                    &from[row + j..row + length],
+                );
+                for &[row, place, length] in &all[k + 1..] {
                     add(&mut to[place - part.first_row..], &from[row..row + length]);
                 }
             }

@@ -11,7 +11,7 @@
 //! the threads, and blocks are cut in tiles (`tiles.rs`). Both follow from the structure alone, and children
 //! are added in their order: the bits do not depend on the number of threads.
 
-use super::extend_add::{Entries, Part, Runs};
+use super::extend_add::{Part, Runs, first_row, update_entries};
 use super::supernodes::Supernodes;
 use super::tiles::PANEL;
 use faer::MatMut;
@@ -31,9 +31,6 @@ pub struct NotPositive(pub usize);
 
 /// One kind of factorisation, front by front.
 pub trait Front: Sync {
-    /// What counts of what is passed up.
-    const PASSED: Entries;
-
     /// Where a supernode's numbers begin among all; of the number of supernodes, how many there are.
     fn start(&self, s: usize) -> usize;
 
@@ -61,9 +58,9 @@ pub struct Child<'a> {
 }
 
 /// Adds what children pass up to a part of their parent's front, in their order.
-pub fn add_children(children: &[Child], mut part: Part, entries: Entries) {
+pub fn add_children(children: &[Child], mut part: Part) {
     for child in children {
-        child.runs.add(child.update, &mut part, entries);
+        child.runs.add(child.update, &mut part);
     }
 }
 
@@ -74,12 +71,11 @@ pub fn pass_up(
     width: usize,
     rows: usize,
     update: &mut [f64],
-    entries: Entries,
     product: impl Fn(MatMut<f64>, usize) + Sync,
 ) {
     let mut rest = update;
     let panel = |first: usize| {
-        let (count, height) = (PANEL.min(rows - first), rows - entries.first_row(first));
+        let (count, height) = (PANEL.min(rows - first), rows - first_row(first));
         let (values, after) = std::mem::take(&mut rest).split_at_mut(count * height);
         rest = after;
         let part = Part {
@@ -97,7 +93,7 @@ pub fn pass_up(
             MatMut::from_column_major_slice_mut(part.values, height, count),
             first,
         );
-        add_children(children, part, entries);
+        add_children(children, part);
     });
 }
 
@@ -306,7 +302,7 @@ impl<'a, F: Front> Numeric<'a, F> {
 
     /// How many numbers a supernode passes up.
     pub fn passed(&self, s: usize) -> usize {
-        F::PASSED.count(self.structure.rows(s).len())
+        update_entries(self.structure.rows(s).len())
     }
 
     pub fn child<'u>(&self, child: usize, parent: usize, update: &'u [f64]) -> Child<'u> {

@@ -7,7 +7,7 @@
 //! fewer entries than K has.
 
 use super::elimination_tree::{self, NONE};
-use super::extend_add::Entries;
+use super::extend_add::update_entries;
 use crate::assembly::Lists;
 use faer::sparse::SymbolicSparseColMatRef;
 use std::collections::BTreeSet;
@@ -161,8 +161,8 @@ impl Supernodes {
     }
 
     /// The most entries of updates that wait for their parents at a time, one subtree after the other.
-    pub fn waiting_entries(&self, passed: Entries) -> usize {
-        let update = |s: usize| passed.count(self.rows(s).len());
+    pub fn waiting_entries(&self) -> usize {
+        let update = |s: usize| update_entries(self.rows(s).len());
         let (mut waiting, mut most) = (0, 0);
         for s in 0..self.n_supernodes() {
             waiting += update(s);

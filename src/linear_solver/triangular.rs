@@ -16,51 +16,6 @@ use std::ops::Range;
 /// Subtrees with fewer entries of L stay with one thread.
 const LEAST_ENTRIES: usize = 500_000;
 
-/// Factors of K by supernode.
-#[derive(Clone, Copy)]
-pub enum Factors<'a> {
-    /// Blocks of L in K = L Lᵀ.
-    Symmetric(&'a [f64]),
-    /// Blocks of L and of Uᵀ in P K = L U, and for each column which of the supernode's rows stands there.
-    Pivoted(&'a [f64]),
-}
-
-impl<'a> Factors<'a> {
-    fn up(self, structure: &Supernodes, s: usize) -> &'a [f64] {
-        match self {
-            Factors::Symmetric(values) => &values[structure.block(s)],
-            Factors::Pivoted(values) => {
-                &values[pivoted_start(structure, s)..][..structure.block(s).len()]
-            }
-        }
-    }
-
-    fn down(self, structure: &Supernodes, s: usize) -> &'a [f64] {
-        match self {
-            Factors::Symmetric(values) => &values[structure.block(s)],
-            Factors::Pivoted(values) => {
-                let length = structure.block(s).len();
-                &values[pivoted_start(structure, s) + length..][..length]
-            }
-        }
-    }
-
-    fn order(self, structure: &Supernodes, s: usize) -> Option<&'a [f64]> {
-        match self {
-            Factors::Symmetric(_) => None,
-            Factors::Pivoted(values) => {
-                let end = pivoted_start(structure, s + 1);
-                Some(&values[end - structure.width(s)..end])
-            }
-        }
-    }
-}
-
-/// Where the numbers of a supernode begin in [`Factors::Pivoted`].
-pub fn pivoted_start(structure: &Supernodes, s: usize) -> usize {
-    2 * structure.block_start(s) + structure.first_column(s)
-}
-
 /// Which unknowns are asked for.
 #[derive(Clone, Copy)]
 pub enum Wanted<'a> {
@@ -82,12 +37,12 @@ impl Wanted<'_> {
 /// Right-hand sides that go through L together: so many, or half of them, or one.
 const TOGETHER: usize = 8;
 
-/// Overwrites `x`, vectors one after the other, by (L Lᵀ)⁻¹ x.
-pub fn solve(structure: &Supernodes, factors: Factors, x: &mut [f64], wanted: Wanted) {
+/// Overwrites `x`, vectors one after the other, by (L Lᵀ)⁻¹ x. `values`: the blocks of L.
+pub fn solve(structure: &Supernodes, values: &[f64], x: &mut [f64], wanted: Wanted) {
     let n = structure.dofs();
     let sweep = Sweep {
         structure,
-        factors,
+        values,
         wanted,
     };
     for x in x.chunks_mut(TOGETHER * n) {
@@ -101,7 +56,8 @@ pub fn solve(structure: &Supernodes, factors: Factors, x: &mut [f64], wanted: Wa
 
 struct Sweep<'a> {
     structure: &'a Supernodes,
-    factors: Factors<'a>,
+    /// The blocks of L.
+    values: &'a [f64],
     wanted: Wanted<'a>,
 }
 
@@ -156,10 +112,10 @@ impl Sweep<'_> {
         }
     }
 
-    fn block<'b>(&self, values: &'b [f64], s: usize) -> Block<'b> {
+    fn block(&self, s: usize) -> Block<'_> {
         let (width, rows) = (self.structure.width(s), self.structure.rows(s).len());
         Block {
-            values,
+            values: &self.values[self.structure.block(s)],
             width,
             height: width + rows,
         }
@@ -319,17 +275,11 @@ impl Sweep<'_> {
                 (0..K).for_each(|k| to[k] += from[k]);
             }
         }
-        if let Some(order) = self.factors.order(self.structure, s) {
-            let unordered = front[..width].to_vec();
-            for (f, &from) in front.iter_mut().zip(order) {
-                *f = unordered[from as usize];
-            }
-        }
         // Far from few forces nothing arrives: most of L need not be read on the way up.
         if front.iter().all(|f| f.iter().all(|&f| f == 0.0)) {
             return;
         }
-        let block = self.block(self.factors.up(self.structure, s), s);
+        let block = self.block(s);
         block.forward(front);
         x[own].copy_from_slice(&front[..width]);
         work[passed].copy_from_slice(&front[width..]);
@@ -353,7 +303,7 @@ impl Sweep<'_> {
         front.clear();
         front.extend_from_slice(&x[own.clone()]);
         front.extend_from_slice(&work[passed]);
-        let block = self.block(self.factors.down(self.structure, s), s);
+        let block = self.block(s);
         block.backward(front);
         x[own].copy_from_slice(&front[..width]);
         for child in self.structure.children_from_last(s) {

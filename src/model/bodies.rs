@@ -118,12 +118,6 @@ impl Model {
         cells
     }
 
-    /// The region that a cell below one lattice belongs to.
-    pub(super) fn owner(&self, leader: usize, cell: usize) -> usize {
-        let has_cell = |r: &usize| self.regions[*r].cells.contains(&cell);
-        self.members(leader).find(has_cell).unwrap_or(leader)
-    }
-
     /// Where finite elements meet one lattice.
     pub(super) fn interfaces_of(&self, leader: usize) -> impl Iterator<Item = &Interface> {
         let interfaces = self.interfaces.iter();

@@ -32,15 +32,7 @@ impl Model {
             let axes = settings.lattice.axes();
             let turned = axes.outline(&outline);
             check_count(region, &turned, &settings)?;
-            let mut lattice = self.lattice(index, &turned, &settings.lattice);
-            if self.splice.is_some() && !self.interface_segments(index).is_empty() {
-                // The lattice goes on behind the interface: it cuts no cell.
-                let sites = self.sites(&turned, &settings);
-                let dx = settings.lattice.spacing;
-                let positions = lattice.positions.iter();
-                let shares = positions.map(|&x| sites.shares[sites.nearest(x)]);
-                lattice.areas = shares.map(|share| share * dx * dx).collect();
-            }
+            let lattice = self.lattice(index, &turned, &settings.lattice);
             let [low, high] = turned.bounds();
             let is_larger = (0..2).all(|k| settings.lattice.spacing > high[k] - low[k]);
             if lattice.positions.is_empty() || is_larger {

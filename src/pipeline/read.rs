@@ -6,6 +6,7 @@ pub mod plan;
 pub mod quantity;
 pub mod reader;
 pub mod reference;
+mod removed;
 pub mod schema;
 pub mod source;
 pub mod sources;

@@ -34,7 +34,7 @@ impl Factorised {
     pub fn elimination(&self, dof: usize) -> Option<usize> {
         match &self.factor {
             Factor::Cholesky(factor) => Some(factor.column(dof)),
-            Factor::Lu(_) | Factor::TwoLevel(_) => None,
+            Factor::TwoLevel(_) => None,
         }
     }
 
@@ -43,7 +43,7 @@ impl Factorised {
     pub fn flops_above(&self, nodes: &[u32]) -> f64 {
         match &self.factor {
             Factor::Cholesky(factor) => factor.flops_above(nodes),
-            Factor::Lu(_) | Factor::TwoLevel(_) => self.flops,
+            Factor::TwoLevel(_) => self.flops,
         }
     }
 
@@ -125,24 +125,17 @@ impl Factorised {
         self.factor.method() == Method::Direct
     }
 
-    pub fn is_symmetric(&self) -> bool {
-        matches!(self.factor, Factor::Cholesky(_))
-    }
-
     /// K u [N].
     pub fn force(&self, displacement: &[f64]) -> Vec<f64> {
         self.system.stiffness.multiply(displacement)
     }
 }
 
-/// Adds f w, or what of it acts: [`Model::first_loaded_node`].
+/// Adds f w.
 fn add_spring_force(force: &mut [f64], model: &Model, spring: usize, f: f64) {
-    let first = model.first_loaded_node();
     model.for_each_term(spring, |node, w| {
         let node = node as usize;
-        if node >= first {
-            force[2 * node] += f * w[0];
-            force[2 * node + 1] += f * w[1];
-        }
+        force[2 * node] += f * w[0];
+        force[2 * node + 1] += f * w[1];
     });
 }

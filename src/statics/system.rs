@@ -1,29 +1,27 @@
 //! K u = f with supports: what is held, what is prescribed, and a solution refined until its residual is small.
 
-use crate::assembly::stiffness::Stiffness;
+use crate::assembly::LowerMatrix;
 use crate::boundary::Boundary;
 use crate::linear_solver::Factor;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 const MOST_REFINEMENTS: usize = 3;
 
 /// K with its supports.
 pub(super) struct System {
     /// K as assembled [N/m].
-    pub stiffness: Stiffness,
+    pub stiffness: LowerMatrix,
     pub is_held: Vec<bool>,
     /// Dofs of pinned parts.
     pinned: Vec<usize>,
 }
 
 /// What a system is solved for.
-pub(super) struct Case<'a> {
+pub(super) struct Case {
     /// [m].
     prescribed: Vec<Option<f64>>,
-    /// f, loads on the overlap of a splice included [N].
+    /// f in the axes of the nodes [N].
     load: Vec<f64>,
-    /// Of [`Boundary::own_share`].
-    own_share: &'a BTreeMap<usize, f64>,
 }
 
 /// Dof by dof.
@@ -38,13 +36,13 @@ pub(super) struct Solved {
 
 impl System {
     pub fn new(
-        stiffness: Stiffness,
+        stiffness: LowerMatrix,
         boundary: &Boundary,
         pinned: &[Vec<usize>],
         mechanisms: &BTreeSet<usize>,
     ) -> System {
         let mut system = System {
-            is_held: vec![false; stiffness.dofs()],
+            is_held: vec![false; stiffness.ncols()],
             stiffness,
             pinned: Vec::new(),
         };
@@ -62,7 +60,7 @@ impl System {
         self.pinned.iter().for_each(|&dof| self.is_held[dof] = true);
     }
 
-    pub fn case<'a>(&self, boundary: &'a Boundary) -> Case<'a> {
+    pub fn case(&self, boundary: &Boundary) -> Case {
         let mut prescribed = vec![None; boundary.load.len()];
         self.pinned
             .iter()
@@ -72,11 +70,7 @@ impl System {
         }
         Case {
             prescribed,
-            load: {
-                let all = boundary.load.iter().zip(&boundary.overlap_load);
-                boundary.in_own_axes(all.map(|(a, b)| a + b).collect())
-            },
-            own_share: &boundary.own_share,
+            load: boundary.own_load(),
         }
     }
 
@@ -147,7 +141,7 @@ impl System {
     }
 }
 
-impl Case<'_> {
+impl Case {
     /// f − r at free dofs, zero at prescribed ones, where r = K u [N].
     pub fn residual(&self, force: &[f64]) -> Vec<f64> {
         let dofs = self.prescribed.iter().zip(&self.load).zip(force);
@@ -160,11 +154,7 @@ impl Case<'_> {
         let dofs = self.prescribed.iter().zip(&self.load).zip(force);
         let reaction =
             dofs.map(|((prescribed, f), r)| if prescribed.is_some() { r - f } else { 0.0 });
-        let mut reaction: Vec<f64> = reaction.collect();
-        for (&dof, share) in self.own_share {
-            reaction[dof] *= share;
-        }
-        vectors(&reaction)
+        vectors(&reaction.collect::<Vec<f64>>())
     }
 }
 

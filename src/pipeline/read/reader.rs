@@ -171,7 +171,6 @@ impl Reader<'_> {
         match &self.spec.coupling {
             spec::Coupling::Truss(truss) => self.node_area(&truss.node_area).map(Coupling::Truss),
             spec::Coupling::Clip => Ok(Coupling::Clip),
-            spec::Coupling::Splice => Ok(Coupling::Splice),
         }
     }
 

@@ -52,7 +52,7 @@ pub struct Spec {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub no_fail: Vec<String>,
     /// How interface nodes are tied to material points: `truss` (the paper's; [settings](#truss)), `clip`
-    /// (bonds end where they cross the interface), `splice` (nodes and points follow each other in an overlap).
+    /// (bonds end where they cross the interface).
     /// [Which one](howto.md).
     #[serde(default)]
     pub coupling: Coupling,

@@ -2,6 +2,7 @@
 //! in the user's words, not in serde's.
 
 use super::nesting::is_shallow;
+use super::removed::RemovedWord;
 use super::source::{InputError, Source, choices};
 use super::spec::Spec;
 use marked_yaml::{LoadError, LoaderOptions, parse_yaml_with_options};
@@ -234,10 +235,16 @@ fn tell_text(text: &str) -> Told {
         }
         "unknown variant " => {
             let word = quoted.next().unwrap_or_default();
-            (
-                format!("{subject} cannot be `{word}`"),
-                Some(choices(word, quoted)),
-            )
+            match RemovedWord::find(&path, word) {
+                Some(removed) => (
+                    format!("{subject} cannot be `{word}`: {}", removed.reason),
+                    Some(removed.replacement.to_owned()),
+                ),
+                None => (
+                    format!("{subject} cannot be `{word}`"),
+                    Some(choices(word, quoted)),
+                ),
+            }
         }
         "missing field " => {
             let key = quoted.next().unwrap_or_default();

@@ -100,13 +100,11 @@ impl Outcome<'_> {
             "parameters": self.parameters(),
             "sizes": {
                 "finite_elements": count(|m| *m == Method::FiniteElements),
-                "finite_element_nodes": model.fe_node_count() - model.inner_nodes().len(),
+                "finite_element_nodes": model.fe_node_count(),
                 "material_points": model.areas.len(),
                 "bonds": model.bond_count,
                 "trusses": model.springs.pairs().len() - model.bond_count,
-                "clipped_bonds": if model.splice.is_some() { 0 } else { model.springs.len() - model.springs.pairs().len() },
-                "ghost_bonds": model.splice.as_ref().map_or(0, |s| s.ghosts.len()),
-                "overlap_elements": model.splice.as_ref().map_or(0, |s| s.overlap.len()),
+                "clipped_bonds": model.springs.len() - model.springs.pairs().len(),
                 "dofs": self.solved.solution.size.dofs,
                 "stiffness_entries": self.solved.solution.size.stiffness_entries,
                 "method": self.solved.solution.size.method.describe(),
@@ -208,9 +206,7 @@ impl Outcome<'_> {
         let positions = &self.model.positions;
         let distance =
             |n: usize| (positions[n][0] - probe.at[0]).hypot(positions[n][1] - probe.at[1]);
-        let inner = self.model.inner_nodes();
         let node = (0..positions.len())
-            .filter(|node| !inner.contains(node))
             .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
             .expect("a model has nodes");
         let value = self.solved.solution.displacement[node][probe.axis];

@@ -433,7 +433,7 @@ fn crack_lengths(model: &Model, limits: &Limits) -> Vec<f64> {
         };
         let xi = model.springs.length(spring, &model.positions);
         // The critical stretch cancels.
-        let stiffness = model.bond_share(spring) * model.springs.stiffness[spring];
+        let stiffness = model.springs.stiffness[spring];
         // A part of a clipped bond takes the energy of the whole.
         let energy = 0.5 * stiffness * xi * xi / model.length_share(spring).min(1.0);
         let c0 = model.material_factor(spring) * points.micromodulus.c0;

@@ -333,9 +333,7 @@ impl Run<'_> {
         let solved = match &self.plan.loading {
             None => {
                 let method = self.options.resolution.method();
-                let solved = solve_once(model, boundary, method, &mut costs.phases)?;
-                self.warn_of_imbalance(&solved.solution, boundary);
-                solved
+                solve_once(model, boundary, method, &mut costs.phases)?
             }
             Some(loading) => self.break_apart(loading, model, &recipe, &mut costs)?,
         };

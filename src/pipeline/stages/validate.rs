@@ -1,7 +1,6 @@
 //! A plan and a mesh to the discretisation; what does not fit is told at its key in the pipeline.
 
 use crate::boundary::{Boundary, BoundaryError};
-use crate::coupling::splice::SpliceError;
 use crate::cracks::Cracks;
 use crate::fracture::failure::CriticalStretch;
 use crate::fracture::programme::{LoadPhase, Programme};
@@ -364,7 +363,6 @@ fn model_error(plan: &Plan, error: &ModelError) -> InputError {
         ModelError::NoMaterialPoint { region } => {
             (spacing(region), "choose a smaller `spacing`".to_owned())
         }
-        ModelError::Splice { region, source } => (key(region), splice_help(source).to_owned()),
         ModelError::Surface { region, .. } => (
             key(region).replace("group", "surface_correction"),
             "write `surface_correction: force`".to_owned(),
@@ -378,20 +376,6 @@ fn model_error(plan: &Plan, error: &ModelError) -> InputError {
         ),
     };
     plan.source.error(&key, error.to_string(), Some(help))
-}
-
-fn splice_help(error: &SpliceError) -> &'static str {
-    match error {
-        SpliceError::NarrowRing { .. } => {
-            "under `coupling: splice` every bond ends in material: make the finite-element region wider \
-             there, the horizon smaller, or extend the peridynamic region to the boundary"
-        }
-        SpliceError::Bridged { .. } => {
-            "mesh the region with smaller elements: two or more nodes between opposite interfaces must \
-             be 2 spacings or farther from both"
-        }
-        SpliceError::NoBlock { .. } => "choose a smaller `spacing`, or make the region wider",
-    }
 }
 
 fn boundary_error(plan: &Plan, index: usize, error: &BoundaryError) -> InputError {

@@ -7,16 +7,15 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use std::borrow::Cow;
 use std::fmt;
 
-/// `clip`, `splice`, `truss`, or `truss: { node_area: … }`.
+/// `clip`, `truss`, or `truss: { node_area: … }`.
 #[derive(Clone, Debug)]
 pub enum Coupling {
     Truss(Truss),
     Clip,
-    Splice,
 }
 
 /// The words that `coupling` knows.
-const COUPLINGS: &[&str] = &["truss", "clip", "splice"];
+const COUPLINGS: &[&str] = &["truss", "clip"];
 
 /// The truss elements of the paper.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
@@ -75,7 +74,6 @@ impl Serialize for Coupling {
                 map.end()
             }
             Coupling::Clip => serializer.serialize_str("clip"),
-            Coupling::Splice => serializer.serialize_str("splice"),
         }
     }
 }
@@ -87,14 +85,13 @@ impl<'de> Deserialize<'de> for Coupling {
             type Value = Coupling;
 
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("`clip`, `splice`, `truss` or `truss: { node_area: … }`")
+                f.write_str("`clip`, `truss` or `truss: { node_area: … }`")
             }
 
             fn visit_str<E: de::Error>(self, text: &str) -> Result<Coupling, E> {
                 match text {
                     "truss" => Ok(Coupling::default()),
                     "clip" => Ok(Coupling::Clip),
-                    "splice" => Ok(Coupling::Splice),
                     _ => Err(E::unknown_variant(text, COUPLINGS)),
                 }
             }

@@ -1,15 +1,9 @@
 //! What is no error, and yet to be told.
 
 use super::Run;
-use crate::boundary::Boundary;
 use crate::coupling::Coupling;
 use crate::model::{Method, Model};
 use crate::pipeline::show::results::lattice_name;
-use crate::statics::Solution;
-
-/// A larger share of all forces that is not balanced is told [-]; a splice of elements as large as the horizon
-/// leaves 3e-5, under own weight 6e-3.
-const IMBALANCE_WARNING: f64 = 0.01;
 
 /// A lattice whose areas are off by more than this is worth a word: the paper's full cells on grid
 /// nodes are.
@@ -51,19 +45,6 @@ impl Run<'_> {
                     2.0 * settings.horizon_ratio
                 ));
             }
-        }
-    }
-
-    /// The residual of a spliced system does not see that its two sides feel different forces.
-    pub(super) fn warn_of_imbalance(&mut self, solution: &Solution, boundary: &Boundary) {
-        let imbalance = solution.imbalance(boundary);
-        if imbalance > IMBALANCE_WARNING {
-            self.observer.warns(&format!(
-                "loads and reactions differ by {:.1} % of their sum: the splice passes on another force than it \
-                 takes up, and displacements are wrong by as much. Take finer elements beside the interface, \
-                 or `coupling: clip`",
-                100.0 * imbalance
-            ));
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Fields derived from the displacements: strain and stress at the finite-element nodes and at the
 //! material points, stretches.
 
+mod joints;
 pub mod points;
 
 use crate::fem::recovery::nodal_strain;

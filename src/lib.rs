@@ -109,6 +109,10 @@
 //! Finite elements and geometry:
 //! - Hinton E., Rock T., Zienkiewicz O. C. (1976). A note on mass lumping and related processes in the
 //!   finite element method. Earthquake Engineering & Structural Dynamics 4, 245–249.
+//! - Hardy R. J. (1982). Formulas for determining local properties in molecular-dynamics simulations: shock
+//!   waves. Journal of Chemical Physics 76, 622–628. <https://doi.org/10.1063/1.442714>
+//! - Lehoucq R. B., Silling S. A. (2008). Force flux and the peridynamic stress tensor. Journal of the
+//!   Mechanics and Physics of Solids 56, 1566–1577. <https://doi.org/10.1016/j.jmps.2007.08.004>
 //! - Barlow J. (1976). Optimal stress locations in finite element models. International Journal for
 //!   Numerical Methods in Engineering 10, 243–251.
 //! - Muskhelishvili N. I. (1953). Some Basic Problems of the Mathematical Theory of Elasticity. Noordhoff.

@@ -20,6 +20,7 @@ use crate::mesh::{Cell, Edge, Mesh};
 use crate::peridynamics::axes::Axes;
 use crate::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
 use crate::peridynamics::lattice::LatticeSettings;
+use crate::peridynamics::point_index::PointIndex;
 use crate::peridynamics::surface::{SurfaceCorrection, SurfaceError};
 use crate::springs::Springs;
 use rayon::prelude::*;
@@ -104,8 +105,10 @@ pub struct PointRegion {
     pub region: usize,
     /// Their nodes.
     pub nodes: Range<usize>,
-    /// The lattice's.
+    /// Axes of the lattice.
     pub axes: Axes,
+    /// Sites of the lattice that hold these points.
+    pub index: PointIndex,
     /// Of the first region's material.
     pub micromodulus: Micromodulus,
     /// The regions' outline, and its area |Ω| [m²].
@@ -147,6 +150,8 @@ pub struct Model {
     pub clipped: Vec<FamilyShare>,
     /// ξ of the bond that each clipped one is a part of, in the order of the springs behind the pairs [m].
     clipped_from: Vec<f64>,
+    /// The peridynamic regions in which each interpolated spring begins and ends.
+    interpolated_regions: Vec<Option<[usize; 2]>>,
     /// Whether each spring is there at the start: false where it meets an initial crack.
     pub intact: Vec<bool>,
     /// Axes of nodes that are held along neither x nor y.
@@ -226,6 +231,7 @@ impl Model {
             bond_count: 0,
             clipped: Vec::new(),
             clipped_from: Vec::new(),
+            interpolated_regions: Vec::new(),
             intact: Vec::new(),
             node_axes: NodeAxes::new(),
             leader,

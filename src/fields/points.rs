@@ -11,7 +11,7 @@
 //! a uniform strain comes back exactly, from whatever family: also where it is cut by a free surface or
 //! an interface. Broken bonds carry nothing, so that σ fades with damage.
 
-use super::{strain_tensor, stress_tensor};
+use super::{joints, strain_tensor, stress_tensor};
 use crate::model::Model;
 use nalgebra::{Matrix3, Vector3};
 
@@ -52,15 +52,27 @@ impl PointFields {
         }
         let mut fields = PointFields::default();
         let plane = model.settings.plane;
-        for (point, (family, carried)) in family.into_iter().zip(&carried).enumerate() {
+        let strains = family.iter().zip(&carried).map(|(family, carried)| {
+            strain_of_family(family, carried).unwrap_or_else(Vector3::zeros)
+        });
+        let mut strains: Vec<Vector3<f64>> = strains.collect();
+        joints::correct(model, displacement, intact, &mut strains);
+        for (point, strain) in strains.iter().enumerate() {
             let material = model.material_of_point(first + point);
-            let scale = family.trace() / 3.0;
-            let is_flat = family.determinant() <= FLAT * scale.powi(3);
-            let inverse = if is_flat { None } else { family.try_inverse() };
-            let strain = inverse.map_or_else(Vector3::zeros, |inverse| inverse * carried);
-            fields.strain.push(strain_tensor(&strain, material, plane));
-            fields.stress.push(stress_tensor(&strain, material, plane));
+            fields.strain.push(strain_tensor(strain, material, plane));
+            fields.stress.push(stress_tensor(strain, material, plane));
         }
         fields
     }
+}
+
+/// The strain ε of (Σ k ξ² q qᵀ) ε = Σ k ξ² s q; `None` where the directions are too few.
+pub(super) fn strain_of_family(
+    family: &Matrix3<f64>,
+    carried: &Vector3<f64>,
+) -> Option<Vector3<f64>> {
+    let scale = family.trace() / 3.0;
+    let is_flat = family.determinant() <= FLAT * scale.powi(3);
+    let inverse = if is_flat { None } else { family.try_inverse() };
+    inverse.map(|inverse| inverse * carried)
 }

@@ -16,6 +16,8 @@ use crate::geometry::Outline;
 use crate::mesh::Mesh;
 use crate::peridynamics::axes::dominant_angle;
 use crate::springs::Springs;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// For every region the one that leads its lattice; itself where it touches no other.
 ///
@@ -147,35 +149,52 @@ impl Model {
 
     /// The peridynamic regions in which a spring begins and ends; `None` between finite elements.
     pub fn regions_of_spring(&self, spring: usize) -> Option<[usize; 2]> {
-        let nodes = self.springs.nodes(spring);
-        let mut found = nodes
-            .iter()
-            .filter_map(|&n| self.region_of_point(n as usize));
-        let first = found.next()?;
-        if let [a, b] = *nodes
-            && spring < self.springs.pairs().len()
-        {
-            let [a, b] = [a, b].map(|node| self.region_of_point(node as usize));
-            return Some([a.unwrap_or(first), b.unwrap_or(first)]);
-        }
-        let members: Vec<usize> = self.members(self.leader[first]).collect();
-        if members.len() == 1 {
-            return Some([first; 2]);
-        }
-        let [a, b] = self.springs.segment(spring, &self.positions);
-        let outlines = self.outlines(&members);
-        let region = |share: f64| {
-            let x = [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]));
-            let inside = outlines.iter().position(|outline| outline.contains(x));
-            inside.map(|index| members[index])
+        let pairs = self.springs.pairs();
+        let Some(pair) = pairs.get(spring) else {
+            return self.interpolated_regions[spring - pairs.len()];
         };
-        let ends = [region(INWARDS), region(1.0 - INWARDS)];
-        let other = ends[0].or(ends[1]).unwrap_or(first);
-        Some(ends.map(|end| end.unwrap_or(other)))
+        let regions = pair.map(|node| self.region_of_point(node as usize));
+        let first = regions[0].or(regions[1])?;
+        Some(regions.map(|region| region.unwrap_or(first)))
     }
 
-    /// The mean Young's modulus of the two ends of a spring, c being proportional to it, over that of its
-    /// lattice's leader [-].
+    /// The peridynamic regions in which each interpolated spring begins and ends.
+    fn find_interpolated_regions(&self) -> Vec<Option<[usize; 2]>> {
+        let mut outlines: BTreeMap<usize, Vec<(usize, Outline)>> = BTreeMap::new();
+        for leader in self.points.iter().map(|points| points.region) {
+            let members: Vec<usize> = self.members(leader).collect();
+            let of_member = self.outlines(&members).into_iter();
+            outlines.insert(leader, members.into_iter().zip(of_member).collect());
+        }
+        let find = |spring: usize| {
+            let mut nodes = self.springs.nodes(spring).iter();
+            let first = nodes.find_map(|&n| self.region_of_point(n as usize))?;
+            let members = &outlines[&self.leader[first]];
+            if members.len() == 1 {
+                return Some([first; 2]);
+            }
+            let [a, b] = self.springs.segment(spring, &self.positions);
+            let region = |share: f64| {
+                let x = [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]));
+                let mut inside = members.iter().filter(|(_, outline)| outline.contains(x));
+                inside.next().map(|&(region, _)| region)
+            };
+            let ends = [region(INWARDS), region(1.0 - INWARDS)];
+            let other = ends[0].or(ends[1]).unwrap_or(first);
+            Some(ends.map(|end| end.unwrap_or(other)))
+        };
+        let interpolated = self.springs.pairs().len()..self.springs.len();
+        interpolated.into_par_iter().map(find).collect()
+    }
+
+    /// The mean Young's modulus of the two ends of a spring [Pa], c being proportional to it; `None` between
+    /// finite elements.
+    pub fn mean_young(&self, spring: usize) -> Option<f64> {
+        let [a, b] = (self.regions_of_spring(spring)?).map(|r| self.regions[r].material.young);
+        Some(harmonic_mean(a, b))
+    }
+
+    /// Mean Young's modulus of the two ends of a spring over that of its lattice's leader [-].
     pub fn material_factor(&self, spring: usize) -> f64 {
         let Some([a, b]) = self.regions_of_spring(spring) else {
             return 1.0;
@@ -186,12 +205,13 @@ impl Model {
         if a == leader && b == leader {
             1.0
         } else {
-            2.0 * a * b / (a + b) / leader
+            harmonic_mean(a, b) / leader
         }
     }
 
     /// Gives all springs, which were made with the micromoduli of the leaders, those of their ends.
     pub(super) fn mix_materials(&mut self) {
+        self.interpolated_regions = self.find_interpolated_regions();
         let leads_others = (0..self.regions.len()).any(|r| self.leader[r] != r);
         if leads_others {
             let factors: Vec<f64> = (0..self.springs.len())
@@ -201,4 +221,8 @@ impl Model {
             stiffness.iter_mut().zip(factors).for_each(|(k, f)| *k *= f);
         }
     }
+}
+
+fn harmonic_mean(a: f64, b: f64) -> f64 {
+    2.0 * a * b / (a + b)
 }

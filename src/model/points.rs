@@ -87,6 +87,7 @@ impl Model {
                 region: index,
                 nodes: first..first + positions.len(),
                 axes,
+                index: lattice.index,
                 micromodulus,
                 area: outline.area(),
                 outline,

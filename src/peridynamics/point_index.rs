@@ -7,7 +7,7 @@ pub struct PointIndex {
     pub first: [f64; 2],
     /// dx [m].
     pub spacing: f64,
-    /// PointIndex of the box along both axes; there are no points outside.
+    /// Sites of the box along both axes; there are no points outside.
     pub counts: [i64; 2],
     /// The point at each site of the box, row by row.
     points: Vec<Option<u32>>,
@@ -38,6 +38,11 @@ impl PointIndex {
         inside
             .then(|| self.points[(j * columns + i) as usize])
             .flatten()
+    }
+
+    /// Column and row of a position along the lattice's axes, fractions included.
+    pub fn coordinates(&self, position: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| (position[axis] - self.first[axis]) / self.spacing)
     }
 
     /// Where the site (i, j) is, along the lattice's axes [m].

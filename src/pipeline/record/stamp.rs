@@ -28,7 +28,7 @@ impl Stage {
         match self {
             Stage::Mesh => 2,
             Stage::Solve => 7,
-            Stage::Output => 3,
+            Stage::Output => 4,
         }
     }
 

@@ -1,4 +1,4 @@
-//! What a run leaves on disk: VTU parts, their time series, pictures.
+//! Files of results: VTU parts, their time series, pictures.
 //!
 //! The layer takes plain data in SI units and knows no mechanics. Every file appears under its
 //! name only when it is complete.
@@ -34,7 +34,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     write_and_rename(path, bytes, |_| Ok(()))
 }
 
-/// The same, and what has been written outlives a loss of power.
+/// [`write_whole`] that also outlives a loss of power.
 ///
 /// # Errors
 /// As for [`write_whole`].
@@ -69,7 +69,7 @@ fn write_and_rename(
     })
 }
 
-/// Where [`write_whole`] writes; what a killed run may leave.
+/// The name under which [`write_whole`] writes; a killed run may leave a file of this name.
 pub fn partial_name(path: &Path) -> PathBuf {
     let mut name = path.file_name().map_or_else(OsString::new, OsString::from);
     name.push(".partial");

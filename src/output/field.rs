@@ -1,6 +1,6 @@
 //! Fields as they appear in result files: their names, once, and their values.
 
-/// What a field holds. The name in the file is [`FieldName::as_str`]; units are SI.
+/// The quantity that a field holds. The name in the file is [`FieldName::as_str`]; units are SI.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum FieldName {
     /// u [m]
@@ -95,7 +95,7 @@ impl Values {
         self.len() == 0
     }
 
-    /// What the values take in a file before they are packed [bytes].
+    /// Size of the values in a file before they are packed [bytes].
     pub fn raw_bytes(&self) -> usize {
         let each = match self {
             Values::Scalar(_) => 8,

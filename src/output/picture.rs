@@ -9,6 +9,7 @@ pub mod chart;
 pub mod field;
 pub mod mesh;
 
+mod colour_bar;
 mod composition;
 mod frame;
 mod labels;

@@ -1,4 +1,4 @@
-//! A picture before it is pixels or SVG: the plot's content and what stands around it.
+//! A picture before it is pixels or SVG: the plot's content and the page around it.
 
 use super::frame::Frame;
 use super::page::{Page, Pixels};
@@ -13,11 +13,11 @@ pub(super) type Content = Box<dyn Fn(&mut Raster) + Send + Sync>;
 /// Width of the thinnest line of a small picture [pixels of it].
 const THINNEST: f64 = 0.8;
 
-/// All that a picture shows, placed.
+/// A picture's elements with their positions on the page.
 pub struct Composition {
     pub(super) frame: Frame,
     pub(super) content: Option<Content>,
-    /// Over the content.
+    /// Lines and polygons drawn over the content.
     pub(super) shapes: Vec<Shape>,
     pub(super) page: Page,
 }
@@ -74,7 +74,7 @@ impl Composition {
         self.frame.page.map(|length| length as u32)
     }
 
-    /// Where a position of the body, or a point of a chart, lies on the page [pixels].
+    /// Position on the page [pixels] of a position of the body [m], or of a point of a chart.
     pub fn place_of(&self, position: [f64; 2]) -> [f64; 2] {
         self.frame.to_page(position)
     }

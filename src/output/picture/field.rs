@@ -1,12 +1,12 @@
 //! A scalar field over cells and material points, with a colour bar.
 
+use super::colour_bar::ColourBar;
 use super::frame::{
-    Bounds, Frame, GAP, MOST_TICKS, Room, TEXT_SIZE, TITLE_SIZE, shortened, text_width, title_width,
+    Bounds, Frame, GAP, Margins, TEXT_SIZE, TITLE_SIZE, shortened, text_width, title_width,
 };
 use super::page::{Anchor, Page};
 use super::raster::Raster;
 use super::shape::Shape;
-use super::ticks::{Ticks, Unit, significant};
 use super::{Composition, Picture, PictureError, check_finite, square};
 use crate::output::colour::{CELL_EDGE, ColourScale, INK, Rgb};
 
@@ -30,7 +30,7 @@ pub struct Square {
     pub value: f64,
 }
 
-/// All that the picture shows. For the deformed shape, give displaced positions.
+/// A scalar field on cells and material points. For the deformed shape, give displaced positions.
 #[derive(Clone, Debug, Default)]
 pub struct FieldPicture {
     pub title: String,
@@ -41,7 +41,7 @@ pub struct FieldPicture {
     /// Ends of the colour bar [unit of the field], so that several pictures compare; `None`: the
     /// field's own.
     pub range: Option<[f64; 2]>,
-    /// What must be in view as well [m].
+    /// Positions that must be in view as well [m].
     pub in_view: Vec<[f64; 2]>,
     /// Whether the sign matters: a field of both signs then has the diverging map, white at zero.
     pub is_signed: bool,
@@ -58,15 +58,13 @@ pub struct FieldPicture {
 /// Width of the cells' sides, and of the other lines [pixels].
 const CELL_WIDTH: f64 = 1.0;
 const LINE_WIDTH: f64 = 2.0;
-/// Width of the colour bar [pixels].
-const BAR_WIDTH: i32 = 36;
-/// Distance between the colour bar's ticks [pixels].
-const BAR_TICKS_APART: i32 = 52;
-/// By this much squares are larger than true [pixels]: on a deformed shape hair-wide gaps between
+/// Squares are drawn larger than they are by this much [pixels]: on a deformed shape hair-wide gaps between
 /// points would make a pattern of lines.
 const OVERLAP: f64 = 1.0;
 
 impl FieldPicture {
+    /// # Errors
+    /// See [`PictureError`].
     pub fn draw(&self) -> Result<Picture, PictureError> {
         Ok(self.clone().compose()?.picture())
     }
@@ -100,13 +98,14 @@ impl FieldPicture {
         };
         let bar = ColourBar::new(scale, &self.unit);
         let note = self.note(&own, &bar);
-        let room = Room {
+        let margins = Margins {
             above: GAP + TITLE_SIZE + GAP + TEXT_SIZE + GAP,
             below: GAP,
             right: bar.width(),
-            across: title_width(&self.title).max(text_width(&note) + bar.head_width(&self)),
+            across: title_width(&self.title)
+                .max(text_width(&note) + bar.head_width(&self.quantity)),
         };
-        let frame = frame.unwrap_or_else(|| Frame::around(bounds, room));
+        let frame = frame.unwrap_or_else(|| Frame::around(bounds, margins));
         let mut page = Page::with_axes(&frame);
         self.describe(&note, &bar, &frame, &mut page);
         let stroked = |paths: &[Vec<[f64; 2]>], width: f64, colour: Rgb| -> Vec<Shape> {
@@ -133,7 +132,11 @@ impl FieldPicture {
         let width = frame.page[0] - frame.plot[0] - GAP;
         page.draw_title(frame, &shortened(&self.title, width, title_width));
         let at = [frame.plot[0], GAP + TITLE_SIZE + GAP + TEXT_SIZE / 2];
-        let note = shortened(note, width + GAP - bar.head_width(self), text_width);
+        let note = shortened(
+            note,
+            width + GAP - bar.head_width(&self.quantity),
+            text_width,
+        );
         page.draw_text(&note, at, Anchor::Left);
         bar.draw(page, frame, &self.quantity);
     }
@@ -210,85 +213,9 @@ pub fn deformation_scale(
     )
 }
 
-/// The bar of colours at the right of the plot, as high as the plot.
-struct ColourBar {
-    scale: ColourScale,
-    unit: Unit,
-}
-
-impl ColourBar {
-    fn new(scale: ColourScale, si_unit: &str) -> ColourBar {
-        let unit = Unit::prefixed(si_unit, scale.min.abs().max(scale.max.abs()));
-        ColourBar { scale, unit }
-    }
-
-    /// Numbers beside a bar of so many pixels, with their values [SI].
-    fn ticks(&self, height: i32) -> Vec<(f64, String)> {
-        let [min, max] = [self.scale.min, self.scale.max].map(|value| value * self.unit.per_si);
-        if self.scale.is_constant() {
-            return vec![(self.scale.min, significant(min, 4))];
-        }
-        let ticks = Ticks::within(
-            min,
-            max,
-            (height / BAR_TICKS_APART).min(MOST_TICKS) as usize,
-        );
-        let labelled = |value: f64| (value / self.unit.per_si, ticks.label(value));
-        ticks.values().map(labelled).collect()
-    }
-
-    /// Room for the bar and its numbers, for any height of the plot [pixels].
-    fn width(&self) -> i32 {
-        let labels = (3..=MOST_TICKS).flat_map(|count| self.ticks(count * BAR_TICKS_APART));
-        let widest = labels
-            .map(|(_, label)| text_width(&label))
-            .max()
-            .unwrap_or(0);
-        2 * GAP + BAR_WIDTH + GAP + widest + 2 * GAP
-    }
-
-    /// Room for what stands above the bar [pixels].
-    fn head_width(&self, picture: &FieldPicture) -> i32 {
-        text_width(&self.unit.label(&picture.quantity)) + 2 * GAP
-    }
-
-    /// `value` [SI] with four digits and the bar's unit.
-    fn with_unit(&self, value: f64) -> String {
-        let number = significant(value * self.unit.per_si, 4);
-        format!("{number} {}", self.unit.name).trim_end().to_owned()
-    }
-
-    fn draw(&self, page: &mut Page, frame: &Frame, quantity: &str) {
-        let [_, top, right, bottom] = frame.plot;
-        let left = right + 2 * GAP;
-        let height = f64::from(bottom - top);
-        let range = self.scale.max - self.scale.min;
-        for y in top..bottom {
-            let share = (f64::from(bottom - y) - 0.5) / height;
-            let colour = self.scale.colour(self.scale.min + share * range);
-            // Overlapping, so that no seam shows at another size.
-            let end = (y + 2).min(bottom);
-            page.fill_box([left, y, left + BAR_WIDTH, end], colour);
-        }
-        page.draw_box([left - 1, top - 1, left + BAR_WIDTH, bottom], INK);
-        for (value, label) in self.ticks(bottom - top) {
-            let share = if self.scale.is_constant() {
-                0.5
-            } else {
-                (value - self.scale.min) / range
-            };
-            let y = bottom - (share * height).round() as i32;
-            let end = left + BAR_WIDTH;
-            page.fill_box([end, y - 1, end + GAP / 2, y + 2], INK);
-            page.draw_text(&label, [end + GAP, y], Anchor::Left);
-        }
-        let head = [frame.page[0] - GAP, top - GAP - TEXT_SIZE / 2];
-        page.draw_symbol(&self.unit.label(quantity), head, Anchor::Right);
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::colour_bar::BAR_WIDTH;
     use super::super::facets;
     use super::*;
     use crate::mesh::CellKind;

@@ -1,7 +1,7 @@
 //! The frame around a picture's content: where the body lies on the page, its axes, texts.
 
 use super::raster::{Raster, paint};
-use super::text::Writing;
+use super::text::TextLine;
 use super::ticks::{Ticks, Unit};
 use crate::output::colour::Rgb;
 
@@ -12,9 +12,9 @@ const LEAST_PLOT_WIDTH: i32 = 560;
 /// The plot's height lies between these [pixels]: a slender body still gets a readable axis, a
 /// slim one fits the screen.
 const PLOT_HEIGHT: [f64; 2] = [180.0, 960.0];
-/// Room for the numbers and the title of the y axis, about [pixels].
+/// Margins for the numbers and the title of the y axis, about [pixels].
 const USUAL_LEFT_ROOM: i32 = 110;
-/// Room between the body and the axes, in shares of the body's larger side.
+/// Margins between the body and the axes, in shares of the body's larger side.
 const MARGIN: f64 = 0.015;
 /// Distance between texts [pixels].
 pub(super) const GAP: i32 = 14;
@@ -34,7 +34,7 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// None without an extent.
+    /// The box around `positions`; none without an extent.
     pub fn of(positions: impl Iterator<Item = [f64; 2]>) -> Option<Bounds> {
         let bounds: Option<Bounds> = positions.fold(None, |bounds, position| {
             let Bounds { min, max } = bounds.unwrap_or(Bounds {
@@ -54,7 +54,7 @@ impl Bounds {
     }
 }
 
-/// What an axis measures, and the unit of its numbers.
+/// The quantity along an axis and the unit of its numbers.
 #[derive(Clone, Debug)]
 pub(super) struct Quantity {
     pub name: String,
@@ -67,7 +67,7 @@ impl Quantity {
     }
 }
 
-/// Where the content lies on the page; x to the right, y up. A body has the same scale on both.
+/// The content's place on the page; x to the right, y up. A body has the same scale on both.
 #[derive(Clone, Debug)]
 pub(super) struct Frame {
     /// Width and height of the page [pixels].
@@ -81,9 +81,9 @@ pub(super) struct Frame {
     pub axes: [Quantity; 2],
 }
 
-/// Room for texts around the plot [pixels].
+/// Widths left free for texts around the plot [pixels].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Room {
+pub(super) struct Margins {
     pub above: i32,
     pub below: i32,
     pub right: i32,
@@ -92,19 +92,21 @@ pub(super) struct Room {
 }
 
 impl Frame {
-    /// Places `bounds` on a page with `room` for texts beside the axes' own.
-    pub fn around(bounds: Bounds, room: Room) -> Frame {
+    /// Places `bounds` on a page with `margins` for texts beside the axes' own.
+    pub fn around(bounds: Bounds, margins: Margins) -> Frame {
         // The labels' width depends on the scale, the scale on the room they leave: two rounds.
-        let first = Frame::placed(bounds, room, USUAL_LEFT_ROOM);
-        Frame::placed(bounds, room, first.left_room())
+        let first = Frame::placed(bounds, margins, USUAL_LEFT_ROOM);
+        Frame::placed(bounds, margins, first.left_room())
     }
 
-    fn placed(bounds: Bounds, room: Room, left: i32) -> Frame {
+    fn placed(bounds: Bounds, margins: Margins, left: i32) -> Frame {
         let size = bounds.size();
         let larger = size[0].max(size[1]);
         let [padded_width, padded_height] = size.map(|s| s + 2.0 * MARGIN * larger);
-        let most = WIDTH - left - room.right;
-        let least = LEAST_PLOT_WIDTH.max(room.across - room.right).min(most);
+        let most = WIDTH - left - margins.right;
+        let least = LEAST_PLOT_WIDTH
+            .max(margins.across - margins.right)
+            .min(most);
         let [lowest, highest] = PLOT_HEIGHT;
         let scale = (f64::from(most) / padded_width).min(highest / padded_height);
         let width = (scale * padded_width)
@@ -112,10 +114,13 @@ impl Frame {
             .round();
         let height = (scale * padded_height).clamp(lowest, highest).round();
         let middle = |axis: usize| (bounds.min[axis] + bounds.max[axis]) / 2.0;
-        let [right, bottom] = [left + width as i32, room.above + height as i32];
+        let [right, bottom] = [left + width as i32, margins.above + height as i32];
         Frame {
-            page: [right + room.right, bottom + axis_height() + room.below],
-            plot: [left, room.above, right, bottom],
+            page: [
+                right + margins.right,
+                bottom + axis_height() + margins.below,
+            ],
+            plot: [left, margins.above, right, bottom],
             origin: [
                 middle(0) - width / 2.0 / scale,
                 middle(1) - height / 2.0 / scale,
@@ -129,19 +134,22 @@ impl Frame {
     }
 
     /// Stretches `bounds`, in SI units of the `axes`, over a page of full width and `height`
-    /// [pixels], whatever the room across.
-    pub fn stretched(bounds: Bounds, axes: [Quantity; 2], height: i32, room: Room) -> Frame {
+    /// [pixels], whatever the margins across.
+    pub fn stretched(bounds: Bounds, axes: [Quantity; 2], height: i32, margins: Margins) -> Frame {
         let size = bounds.size();
         let spanning = |left: i32| {
             let page = [WIDTH, height];
-            let [right, bottom] = [page[0] - room.right, page[1] - room.below - axis_height()];
+            let [right, bottom] = [
+                page[0] - margins.right,
+                page[1] - margins.below - axis_height(),
+            ];
             Frame {
                 page,
-                plot: [left, room.above, right, bottom],
+                plot: [left, margins.above, right, bottom],
                 origin: bounds.min,
                 scale: [
                     f64::from(right - left) / size[0],
-                    f64::from(bottom - room.above) / size[1],
+                    f64::from(bottom - margins.above) / size[1],
                 ],
                 axes: axes.clone(),
             }
@@ -176,7 +184,7 @@ impl Frame {
         [x - f64::from(self.plot[0]), y - f64::from(self.plot[1])]
     }
 
-    /// A vector [m] within the plot [pixels], y downwards.
+    /// Components in the plot [pixels], y downwards, of a vector [m].
     pub fn along_plot(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [x * self.scale[0], -y * self.scale[1]]
     }
@@ -195,7 +203,7 @@ impl Frame {
         paint(size.map(|p| p as usize), zoom, draw)
     }
 
-    /// With `zoom` pixels for one.
+    /// The frame of a picture with `zoom` pixels for one.
     pub fn zoomed(&self, zoom: f64) -> Frame {
         let few = |pixels: i32| (f64::from(pixels) * zoom).ceil() as i32;
         let [left, top, ..] = self.plot.map(few);
@@ -225,14 +233,14 @@ impl Frame {
     }
 }
 
-/// Room below a plot for the labels and the title of its x axis [pixels].
+/// Margins below a plot for the labels and the title of its x axis [pixels].
 pub(super) fn axis_height() -> i32 {
     TICK + GAP / 2 + TEXT_SIZE + GAP / 2 + TEXT_SIZE + GAP
 }
 
 /// Width of a text of [`TEXT_SIZE`] [pixels].
 pub(super) fn text_width(text: &str) -> i32 {
-    Writing::plain(text, TEXT_SIZE).width.ceil() as i32
+    TextLine::plain(text, TEXT_SIZE).width.ceil() as i32
 }
 
 /// `text`, or as much of it as fits in `width` [pixels] with an ellipsis for the rest, if `measure`
@@ -249,5 +257,5 @@ pub(super) fn shortened(text: &str, width: i32, measure: impl Fn(&str) -> i32) -
 
 /// Width of a picture's title [pixels].
 pub(super) fn title_width(title: &str) -> i32 {
-    Writing::plain(title, TITLE_SIZE).width.ceil() as i32
+    TextLine::plain(title, TITLE_SIZE).width.ceil() as i32
 }

@@ -1,5 +1,5 @@
-//! Where the labels of a chart's marks go: inside the plot, beside their mark, and over as little
-//! of the curves, the marks and each other as may be.
+//! Places of the labels of a chart's marks: inside the plot, beside their mark, and over as little
+//! of the curves, the marks and each other as possible.
 
 /// Left, top, right, bottom [pixels of the plot], the last two not included.
 pub(super) type Place = [i32; 4];
@@ -7,7 +7,7 @@ pub(super) type Place = [i32; 4];
 /// The line from a mark to its label [pixels of the plot].
 pub(super) type Leader = [[f64; 2]; 2];
 
-/// From this distance on, a line leads from a mark to its label [pixels].
+/// Distance from which on a line leads from a mark to its label [pixels].
 const LEADER_FROM: f64 = 24.0;
 /// How much worse than a line over a curve is a pixel of a text over it, and of a line through a
 /// text.
@@ -29,10 +29,10 @@ const DIRECTIONS: [[i32; 2]; 8] = [
     [0, 1],
 ];
 
-/// What covers the plot already.
+/// The parts of a plot that are covered by curves, marks and labels.
 pub(super) struct Labels {
     size: [i32; 2],
-    /// Of the marks [pixels].
+    /// Radius of the marks [pixels].
     radius: f64,
     /// Number of covered pixels above and left of each corner of a pixel, row by row.
     covered: Vec<u32>,
@@ -41,7 +41,7 @@ pub(super) struct Labels {
 }
 
 impl Labels {
-    /// For a plot of `size`, with `paths` and `discs` (centres and common radius) [pixels].
+    /// Labels in a plot of `size` with `paths` and `discs` (centres and common radius) [pixels].
     pub fn among(
         size: [i32; 2],
         paths: &[Vec<[f64; 2]>],

@@ -1,7 +1,7 @@
 //! The mesh with its regions: what is finite elements, what is material points, and where they
 //! meet.
 
-use super::frame::{Bounds, Frame, GAP, Room, TITLE_SIZE, title_width};
+use super::frame::{Bounds, Frame, GAP, Margins, TITLE_SIZE, title_width};
 use super::legend::{self, Key, Sign, in_rows};
 use super::page::Page;
 use super::raster::Raster;
@@ -10,14 +10,14 @@ use super::ticks::grouped;
 use super::{Composition, Picture, PictureError, check_finite, square};
 use crate::output::colour::{CELL_EDGE, INK, INTERFACE, Rgb, cell_fill, point_fill, tint};
 
-/// What a region consists of.
+/// The discretisation of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filling {
     Cells,
     Points,
 }
 
-/// A region's line in the legend.
+/// A region as the legend describes it.
 #[derive(Clone, Debug)]
 pub struct Region {
     pub name: String,
@@ -48,7 +48,7 @@ pub struct Dot {
     pub region: usize,
 }
 
-/// All that the picture shows.
+/// Regions with their cells and material points, interfaces and cracks.
 #[derive(Clone, Debug, Default)]
 pub struct MeshPicture {
     pub title: String,
@@ -69,6 +69,8 @@ const CRACK_WIDTH: f64 = 4.0;
 const SMALLEST_DOT_SPACING: f64 = 3.0;
 
 impl MeshPicture {
+    /// # Errors
+    /// See [`PictureError`].
     pub fn draw(&self) -> Result<Picture, PictureError> {
         Ok(self.clone().compose()?.picture())
     }
@@ -80,13 +82,13 @@ impl MeshPicture {
         let bounds = Bounds::of(self.positions()).ok_or(PictureError::Empty)?;
         let keys = self.keys();
         let widest_key = keys.iter().map(Key::width).max().unwrap_or(0);
-        let room = Room {
+        let margins = Margins {
             above: GAP + TITLE_SIZE + GAP,
             below: GAP,
             right: 2 * GAP,
             across: widest_key.max(title_width(&self.title)),
         };
-        let mut frame = Frame::around(bounds, room);
+        let mut frame = Frame::around(bounds, margins);
         let rows = in_rows(keys, frame.page[0] - frame.plot[0]);
         frame.extend_below(rows.len() as i32 * legend::ROW);
         let sides = self.sides(&frame);
@@ -120,7 +122,7 @@ impl MeshPicture {
     }
 }
 
-/// What is drawn, before the legend.
+/// The content of the plot.
 impl MeshPicture {
     fn positions(&self) -> impl Iterator<Item = [f64; 2]> {
         let cells = self

@@ -1,8 +1,7 @@
-//! What stands on a page around a picture's content: texts, ticks, boxes. It is kept as a list, from which
-//! pixels or SVG are made.
+//! Texts, ticks and boxes around a picture's content: a list, from which pixels or SVG are made.
 
 use super::frame::{Frame, GAP, TEXT_SIZE, TICK, TITLE_SIZE, axis_height};
-use super::text::Writing;
+use super::text::TextLine;
 use crate::output::colour::{INK, Rgb};
 
 /// Width of a tick [pixels].
@@ -12,18 +11,18 @@ const TICK_WIDTH: i32 = 3;
 #[derive(Clone, Debug)]
 pub(super) struct Text {
     pub text: String,
-    /// From the highest ascender to the lowest descender [pixels].
+    /// Height from the highest ascender to the lowest descender [pixels].
     pub size: i32,
-    /// In a symbol `_` begins a subscript.
+    /// Whether `_` begins a subscript.
     pub is_symbol: bool,
-    /// The end that `anchor` means, at half the height of a capital [pixels].
+    /// Position of the end named by `anchor`, at half the height of a capital [pixels].
     pub at: [i32; 2],
     pub anchor: Anchor,
-    /// It runs upwards.
+    /// Whether the text runs upwards.
     pub upright: bool,
 }
 
-/// Which end of a text its position means.
+/// The end of a text to which its position refers.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Anchor {
     Left,
@@ -32,18 +31,18 @@ pub(super) enum Anchor {
 }
 
 impl Text {
-    pub fn writing(&self) -> Writing {
+    pub fn line(&self) -> TextLine {
         if self.is_symbol {
-            Writing::symbol(&self.text, self.size)
+            TextLine::symbol(&self.text, self.size)
         } else {
-            Writing::plain(&self.text, self.size)
+            TextLine::plain(&self.text, self.size)
         }
     }
 }
 
 /// A filled rectangle: left, top, right, bottom, the last two not included [pixels].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bar {
+pub(super) struct Rectangle {
     pub place: [i32; 4],
     pub colour: Rgb,
 }
@@ -51,10 +50,10 @@ pub(super) struct Bar {
 #[derive(Clone, Debug)]
 pub(super) enum Item {
     Text(Text),
-    Bar(Bar),
+    Rectangle(Rectangle),
 }
 
-/// All that stands on the page, the first at the bottom.
+/// The items on a page, the first at the bottom.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Page {
     pub items: Vec<Item>,
@@ -145,7 +144,8 @@ impl Page {
 
     /// A filled box: left, top, right, bottom, the last two not included.
     pub fn fill_box(&mut self, place: [i32; 4], colour: Rgb) {
-        self.items.push(Item::Bar(Bar { place, colour }));
+        self.items
+            .push(Item::Rectangle(Rectangle { place, colour }));
     }
 }
 
@@ -163,12 +163,12 @@ impl Pixels<'_> {
         for item in &page.items {
             match item {
                 Item::Text(text) => self.write(text),
-                Item::Bar(bar) => self.fill(bar),
+                Item::Rectangle(bar) => self.fill(bar),
             }
         }
     }
 
-    fn fill(&mut self, Bar { place, colour }: &Bar) {
+    fn fill(&mut self, Rectangle { place, colour }: &Rectangle) {
         let [left, top] = [place[0], place[1]].map(|p| (f64::from(p) * self.zoom).floor() as i32);
         let [right, bottom] =
             [place[2], place[3]].map(|p| (f64::from(p) * self.zoom).ceil() as i32);
@@ -182,26 +182,26 @@ impl Pixels<'_> {
     fn write(&mut self, text: &Text) {
         let zoomed = |pixels: i32| (f64::from(pixels) * self.zoom).round() as i32;
         let at = text.at.map(zoomed);
-        let writing = Text {
+        let line = Text {
             size: zoomed(text.size),
             ..text.clone()
         }
-        .writing();
+        .line();
         let along = match text.anchor {
             Anchor::Left => 0.0,
-            Anchor::Middle => writing.width / 2.0,
-            Anchor::Right => writing.width,
+            Anchor::Middle => line.width / 2.0,
+            Anchor::Right => line.width,
         }
         .round() as i32;
-        let foot = (writing.capital / 2.0).round() as i32;
-        writing.each_pixel(|x, y, coverage| {
+        let foot = (line.capital / 2.0).round() as i32;
+        line.each_pixel(|x, y, coverage| {
             let (x, y) = (x - along, y + foot);
             let [dx, dy] = if text.upright { [y, -x] } else { [x, y] };
             self.mix([at[0] + dx, at[1] + dy], INK, coverage);
         });
     }
 
-    /// What lies off the page is cut.
+    /// Mixes `colour` into a pixel; pixels off the page are ignored.
     fn mix(&mut self, [x, y]: [i32; 2], colour: Rgb, coverage: f32) {
         if !(0..self.width).contains(&x) || y < 0 {
             return;

@@ -177,7 +177,7 @@ impl Raster {
         self.fill(&rim.collect::<Vec<_>>(), colour);
     }
 
-    /// To samples, rounded to the grid.
+    /// `position` in samples, rounded to the grid.
     fn to_grid(&self, position: [f64; 2]) -> [f64; 2] {
         position.map(|x| (x * self.per_pixel / GRID).round() * GRID)
     }
@@ -256,7 +256,7 @@ fn sides(corners: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> {
     corners.iter().zip(next).map(|(&a, &b)| [a, b])
 }
 
-/// Where a side crosses the height `y`. Both polygons at a side compute it from the upper end, so
+/// Abscissa at which a side crosses the height `y`. Both polygons at a side compute it from the upper end, so
 /// that they get the same bits.
 fn crossing([a, b]: [[f64; 2]; 2], y: f64) -> Option<f64> {
     let [upper, lower] = if a[1] < b[1] { [a, b] } else { [b, a] };

@@ -52,7 +52,7 @@ pub(super) fn svg(composition: &Composition) -> Result<String, PictureError> {
     svg.push_str("</svg>\n");
     for item in &composition.page.items {
         match item {
-            Item::Bar(bar) => {
+            Item::Rectangle(bar) => {
                 let [l, t, r, b] = bar.place;
                 let _ = writeln!(
                     svg,
@@ -126,7 +126,7 @@ fn style(shape: &Shape) -> String {
 }
 
 fn write_text(svg: &mut String, text: &Text) {
-    let writing = text.writing();
+    let line = text.line();
     let anchor = match text.anchor {
         Anchor::Left => "start",
         Anchor::Middle => "middle",
@@ -135,7 +135,7 @@ fn write_text(svg: &mut String, text: &Text) {
     let [x, y] = text.at;
     let size = EM * f64::from(text.size);
     // The foot line stands half a capital below the text's middle.
-    let foot = f64::from(writing.capital) / 2.0;
+    let foot = f64::from(line.capital) / 2.0;
     let place = if text.upright {
         format!("transform=\"translate({x} {y}) rotate(-90)\" y=\"{foot:.1}\"")
     } else {
@@ -146,7 +146,7 @@ fn write_text(svg: &mut String, text: &Text) {
     } else {
         format!(
             " textLength=\"{:.1}\" lengthAdjust=\"spacingAndGlyphs\"",
-            writing.width
+            line.width
         )
     };
     let content = if text.is_symbol {
@@ -161,7 +161,7 @@ fn write_text(svg: &mut String, text: &Text) {
     );
 }
 
-/// With subscripts, as [`super::text::Writing::symbol`] sets them.
+/// A text with subscripts, set as by [`super::text::TextLine::symbol`].
 fn symbol(text: &str, size: f64) -> String {
     let mut parts = text.split('_');
     let mut content = escape(parts.next().unwrap_or_default());

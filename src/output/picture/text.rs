@@ -14,7 +14,7 @@ const SUBSCRIPT_SIZE: f32 = 0.72;
 const SUBSCRIPT_DROP: f32 = 0.14;
 
 /// A line of text, its letters placed from the left end of the foot line.
-pub(super) struct Writing {
+pub(super) struct TextLine {
     letters: Vec<OutlinedGlyph>,
     /// [pixels]
     pub width: f32,
@@ -22,34 +22,33 @@ pub(super) struct Writing {
     pub capital: f32,
 }
 
-impl Writing {
+impl TextLine {
     /// `size`: from the highest ascender to the lowest descender [pixels].
-    pub fn plain(text: &str, size: i32) -> Writing {
-        let mut writing = Writing::empty(size);
-        writing.append(text, size as f32, 0.0);
-        writing
+    pub fn plain(text: &str, size: i32) -> TextLine {
+        let mut line = TextLine::empty(size);
+        line.append(text, size as f32, 0.0);
+        line
     }
 
-    /// In a symbol what follows `_`, up to the next character that is no letter or digit, is a
-    /// subscript: `σ_xx [Pa]`.
-    pub fn symbol(text: &str, size: i32) -> Writing {
-        let mut writing = Writing::empty(size);
+    /// A symbol such as `σ_xx [Pa]`: letters and digits after `_` are a subscript.
+    pub fn symbol(text: &str, size: i32) -> TextLine {
+        let mut line = TextLine::empty(size);
         let size = size as f32;
         let mut parts = text.split('_');
-        writing.append(parts.next().unwrap_or_default(), size, 0.0);
+        line.append(parts.next().unwrap_or_default(), size, 0.0);
         for part in parts {
             let end = part.find(|c: char| !c.is_alphanumeric());
             let (subscript, rest) = part.split_at(end.unwrap_or(part.len()));
-            writing.append(subscript, size * SUBSCRIPT_SIZE, size * SUBSCRIPT_DROP);
-            writing.append(rest, size, 0.0);
+            line.append(subscript, size * SUBSCRIPT_SIZE, size * SUBSCRIPT_DROP);
+            line.append(rest, size, 0.0);
         }
-        writing
+        line
     }
 
-    fn empty(size: i32) -> Writing {
+    fn empty(size: i32) -> TextLine {
         let scale = PxScale::from(size as f32);
         let capital = FONT.outline_glyph(FONT.glyph_id('H').with_scale(scale));
-        Writing {
+        TextLine {
             letters: Vec::new(),
             width: 0.0,
             capital: capital.map_or(0.0, |letter| -letter.px_bounds().min.y),
@@ -87,9 +86,9 @@ mod tests {
     use super::*;
 
     /// Left, top, right, bottom of the ink.
-    fn ink(writing: &Writing) -> [i32; 4] {
+    fn ink(line: &TextLine) -> [i32; 4] {
         let mut ink = [i32::MAX, i32::MAX, i32::MIN, i32::MIN];
-        writing.each_pixel(|x, y, coverage| {
+        line.each_pixel(|x, y, coverage| {
             if coverage > 0.0 {
                 ink = [ink[0].min(x), ink[1].min(y), ink[2].max(x), ink[3].max(y)];
             }
@@ -99,17 +98,17 @@ mod tests {
 
     #[test]
     fn the_ink_fills_the_width_and_a_capital_stands_on_the_foot_line() {
-        let writing = Writing::plain("HIH", 40);
-        let [left, top, right, bottom] = ink(&writing);
-        assert!(left > 0 && f64::from(right) < f64::from(writing.width));
-        assert!(f64::from(right - left) > 0.8 * f64::from(writing.width));
+        let line = TextLine::plain("HIH", 40);
+        let [left, top, right, bottom] = ink(&line);
+        assert!(left > 0 && f64::from(right) < f64::from(line.width));
+        assert!(f64::from(right - left) > 0.8 * f64::from(line.width));
         assert!((-1..=0).contains(&bottom));
-        assert!((f64::from(-top) - f64::from(writing.capital)).abs() <= 1.0);
+        assert!((f64::from(-top) - f64::from(line.capital)).abs() <= 1.0);
     }
 
     #[test]
     fn a_subscript_is_smaller_and_lower() {
-        let [plain, symbol] = [Writing::plain("ux", 40), Writing::symbol("u_x", 40)];
+        let [plain, symbol] = [TextLine::plain("ux", 40), TextLine::symbol("u_x", 40)];
         assert!(symbol.width < plain.width);
         assert!(ink(&symbol)[3] > ink(&plain)[3]);
     }

@@ -1,6 +1,6 @@
 //! Round numbers along an axis, and units that keep them short.
 
-/// A unit and how many of it make the SI unit.
+/// A unit of the numbers along an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Unit {
     pub name: String,
@@ -9,7 +9,7 @@ pub(super) struct Unit {
 }
 
 impl Unit {
-    /// Of m, mm and µm the one in which `extent` [m] is a number of a few digits.
+    /// The unit among m, mm and µm in which `extent` [m] is a number of a few digits.
     pub fn of_length(extent: f64) -> Unit {
         let (name, per_si) = match extent {
             e if e >= 5.0 => ("m", 1.0),

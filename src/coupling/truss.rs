@@ -5,6 +5,7 @@
 //! does not say what the node's area A_FE is: [`NodeArea`] are the readings. None passes a patch test:
 //! the trusses of a node fill half a disc only.
 
+use crate::mesh::Edge;
 use crate::peridynamics::bonds::Bins;
 use crate::peridynamics::kernel::Micromodulus;
 use crate::peridynamics::visibility::Visibility;
@@ -15,10 +16,19 @@ use crate::springs::Springs;
 pub enum NodeArea {
     /// The node's lumped "mass" area over the finite elements that touch it: reproduces Table 1.
     Lumped,
-    /// Half of each element edge along the interface times dx.
+    /// The node's share of the element edges along the interface times dx, see [`length_shares`]: the areas of
+    /// an interface sum to its length times dx.
     HalfEdge,
-    /// The same for all [m²].
+    /// One area for all nodes [m²].
     Given(f64),
+}
+
+/// Shares of an edge's length that its two ends and its middle stand for, ∫ N ds / L on a straight edge [-].
+pub fn length_shares(edge: &Edge) -> [f64; 3] {
+    match edge.middle {
+        Some(_) => [1.0 / 6.0, 1.0 / 6.0, 4.0 / 6.0],
+        None => [0.5, 0.5, 0.0],
+    }
 }
 
 /// A finite-element node on the interface.

@@ -109,10 +109,11 @@ pub fn shape_integrals(kind: CellKind, coordinates: &[[f64; 2]]) -> Vec<f64> {
 }
 
 /// Lumped "mass" areas of the nodes [m²] by Hinton, Rock & Zienkiewicz (1976): the element's area
-/// shared in the ratio of ∫ N_i² dA, on the 2 × 2 rule for quadrilaterals.
+/// shared in the ratio of the diagonal of the consistent mass matrix, ∫ N_i² dA.
 ///
-/// A square Quad8 gives 1/36 to a corner and 8/36 to a mid-side node, Quad4 and Tri3 equal shares,
-/// Tri6 3/57 and 16/57.
+/// The integral over a Quad8 is taken on the 2 × 2 Gauss points: a square gives 1/36 to a corner and 8/36
+/// to a mid-side node (the exact integral would give 3/76 and 16/76). It is exact on a Tri6: 3/57 and
+/// 16/57. Quad4 and Tri3 give equal shares.
 pub fn lumped_areas(kind: CellKind, coordinates: &[[f64; 2]]) -> Vec<f64> {
     if !kind.is_quadratic() {
         let share = area(kind, coordinates) / kind.node_count() as f64;

@@ -1,7 +1,7 @@
 //! Trusses between interface nodes and the material points within their horizon.
 
 use super::{Method, Model, PointRegion};
-use crate::coupling::truss::{InterfaceNode, NodeArea, trusses};
+use crate::coupling::truss::{InterfaceNode, NodeArea, length_shares, trusses};
 use crate::fem::element;
 use std::collections::BTreeMap;
 
@@ -43,25 +43,25 @@ impl Model {
         lumped: &[f64],
         node_area: NodeArea,
     ) -> Vec<InterfaceNode> {
-        let mut half_edges: BTreeMap<u32, f64> = BTreeMap::new();
+        let mut lengths: BTreeMap<u32, f64> = BTreeMap::new();
         let touching = self.interfaces_of(points.region);
         for edge in touching.flat_map(|i| &i.edges) {
-            for node in edge.nodes() {
+            for (node, share) in edge.nodes().zip(length_shares(edge)) {
                 let node = self.node_of[node].expect("an interface edge has finite-element nodes");
-                *half_edges.entry(node).or_insert(0.0) += 0.5 * self.edge_length(edge);
+                *lengths.entry(node).or_insert(0.0) += share * self.edge_length(edge);
             }
         }
-        let area = |node: u32, half_edge: f64| match node_area {
+        let area = |node: u32, length: f64| match node_area {
             NodeArea::Lumped => lumped[node as usize],
-            NodeArea::HalfEdge => half_edge * points.micromodulus.spacing,
+            NodeArea::HalfEdge => length * points.micromodulus.spacing,
             NodeArea::Given(area) => area,
         };
-        half_edges
+        lengths
             .into_iter()
-            .map(|(node, half_edge)| InterfaceNode {
+            .map(|(node, length)| InterfaceNode {
                 node,
                 position: self.positions[node as usize],
-                area: area(node, half_edge),
+                area: area(node, length),
             })
             .collect()
     }

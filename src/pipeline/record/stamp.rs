@@ -27,7 +27,7 @@ impl Stage {
     fn version(self) -> u32 {
         match self {
             Stage::Mesh => 2,
-            Stage::Solve => 7,
+            Stage::Solve => 8,
             Stage::Output => 4,
         }
     }

@@ -41,7 +41,7 @@ fn main() {
     let boundary = step("boundary", || loads(&model));
     step("support", || {
         support::check(&model, &boundary).expect("it is clamped");
-        assert!(support::loose_parts(&model, &boundary, &model.intact).is_empty());
+        assert!(support::loose_parts(&model, &boundary, &model.integrity).is_empty());
     });
     let mut phases = Phases::default();
     let solver = step("structure", || {
@@ -49,7 +49,7 @@ fn main() {
     });
     let solution = step("solve", || {
         solver
-            .solve(&model.intact, &[], &mut phases)
+            .solve(&model.integrity, &[], &mut phases)
             .expect("a solution")
     });
     for phase in &phases.list {

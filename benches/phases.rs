@@ -7,6 +7,7 @@
 use faer::Par;
 use peristitch::assembly::{ElementStiffness, LowerMatrix, Pattern};
 use peristitch::geometry::Outline;
+use peristitch::interactions::Interactions;
 use peristitch::linear_solver::cholesky::Symbolic;
 use peristitch::linear_solver::ordering::{Ordering, elimination_order};
 use peristitch::material::{Material, PlaneState};
@@ -16,7 +17,6 @@ use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement, la
 use peristitch::peridynamics::visibility::Visibility;
 use peristitch::pipeline::read::plan::Plan;
 use peristitch::pipeline::stages::run::{Options, discretised};
-use peristitch::springs::Springs;
 use std::path::Path;
 use std::time::Instant;
 
@@ -195,7 +195,7 @@ fn square(side: usize, machine: &Machine) {
 
 fn system(
     positions: &[[f64; 2]],
-    springs: &Springs,
+    springs: &Interactions,
     elements: &[ElementStiffness],
     machine: &Machine,
 ) {

@@ -13,7 +13,7 @@ mod turn;
 pub use lists::Lists;
 pub use lower_matrix::LowerMatrix;
 
-use crate::springs::Springs;
+use crate::interactions::Interactions;
 use column::{Column, add_to, pair_block};
 use faer::sparse::{SymbolicSparseColMat, SymbolicSparseColMatRef};
 use nalgebra::DMatrix;
@@ -44,7 +44,7 @@ pub struct Pattern {
 
 impl Pattern {
     /// Springs without stiffness (bonds of exactly δ under a kernel that fades to zero) take no place.
-    pub fn new(nodes: usize, springs: &Springs, elements: &[ElementStiffness]) -> Pattern {
+    pub fn new(nodes: usize, springs: &Interactions, elements: &[ElementStiffness]) -> Pattern {
         let pairs = || {
             let all = (0u32..).zip(springs.pairs());
             let stiff = all.filter(|&(s, _)| springs.stiffness[s as usize] != 0.0);
@@ -53,7 +53,7 @@ impl Pattern {
         let pairs_at = Lists::collect(nodes, || pairs().map(|(s, lower, _)| (lower, s)));
         let lower_ends = Lists::collect(nodes, || pairs().map(|(_, lower, upper)| (upper, lower)));
         let others = || {
-            let others = springs.pairs().len()..springs.len();
+            let others = springs.clipped_bonds();
             others.filter(|&s| springs.stiffness[s] != 0.0)
         };
         let others_at = Lists::collect(nodes, || {
@@ -109,18 +109,18 @@ impl Pattern {
     pub fn assemble(
         &self,
         positions: &[[f64; 2]],
-        springs: &Springs,
+        springs: &Interactions,
         elements: &[ElementStiffness],
     ) -> LowerMatrix {
-        self.assemble_intact(positions, springs, |_| true, elements)
+        self.assemble_with(positions, springs, |_| 1.0, elements)
     }
 
-    /// The same with those springs alone that are intact.
-    pub fn assemble_intact(
+    /// The same with the `integrity` φ of every interaction [-].
+    pub fn assemble_with(
         &self,
         positions: &[[f64; 2]],
-        springs: &Springs,
-        is_intact: impl Fn(usize) -> bool + Sync,
+        springs: &Interactions,
+        integrity: impl Fn(usize) -> f64 + Sync,
         elements: &[ElementStiffness],
     ) -> LowerMatrix {
         let mut values = vec![0.0; self.stored_entries()];
@@ -129,7 +129,7 @@ impl Pattern {
         let beyond: Vec<(usize, Vec<[f64; 3]>)> = parts
             .map(|(nodes, values)| {
                 let end = nodes.end;
-                (end, self.assemble_part(nodes, values, all, &is_intact))
+                (end, self.assemble_part(nodes, values, all, &integrity))
             })
             .collect();
         for (first, diagonals) in beyond {
@@ -144,15 +144,15 @@ impl Pattern {
         LowerMatrix::new(self.symbolic.clone(), values)
     }
 
-    /// Brings the columns of some nodes up to the springs that are intact: the same bits as
-    /// [`Pattern::assemble_intact`], if no other spring has changed than those that end at these nodes alone.
+    /// Brings the columns of some nodes up to the `integrity` φ of now: the same bits as
+    /// [`Pattern::assemble_with`], if no other spring has changed than those that end at these nodes alone.
     pub fn reassemble(
         &self,
         matrix: &mut LowerMatrix,
         nodes: &[u32],
         positions: &[[f64; 2]],
-        springs: &Springs,
-        is_intact: impl Fn(usize) -> bool + Sync,
+        springs: &Interactions,
+        integrity: impl Fn(usize) -> f64 + Sync,
         elements: &[ElementStiffness],
     ) {
         let (symbolic, values) = matrix.parts_mut();
@@ -171,8 +171,10 @@ impl Pattern {
                 for other in lower.filter(|other| *other < node && bounds.contains(other)) {
                     for &s in self.pairs_at.of(other) {
                         let pair = springs.pairs()[s as usize];
-                        if is_intact(s as usize) && pair.contains(&(node as u32)) {
-                            let block = pair_block(pair, springs.stiffness[s as usize], positions);
+                        let phi = integrity(s as usize);
+                        if phi > 0.0 && pair.contains(&(node as u32)) {
+                            let stiffness = phi * springs.stiffness[s as usize];
+                            let block = pair_block(pair, stiffness, positions);
                             add_to(sum, block);
                         }
                     }
@@ -180,7 +182,7 @@ impl Pattern {
             };
             from_part(part, &mut diagonal);
             let all = (springs, positions, elements);
-            self.gather(&mut column, all, &is_intact, |_, block| {
+            self.gather(&mut column, all, &integrity, |_, block| {
                 add_to(&mut diagonal, block);
             });
             column.add_diagonal(diagonal);
@@ -197,19 +199,22 @@ impl Pattern {
     fn gather(
         &self,
         column: &mut Column,
-        (springs, positions, elements): (&Springs, &[[f64; 2]], &[ElementStiffness]),
-        is_intact: &impl Fn(usize) -> bool,
+        (springs, positions, elements): (&Interactions, &[[f64; 2]], &[ElementStiffness]),
+        integrity: &impl Fn(usize) -> f64,
         mut diagonal: impl FnMut(u32, [f64; 3]),
     ) {
         let node = column.node as usize;
-        let intact = |list: &&u32| is_intact(**list as usize);
-        for &s in self.pairs_at.of(node).iter().filter(intact) {
-            let pair = springs.pairs()[s as usize];
-            let (other, block) = column.add_pair(pair, springs.stiffness[s as usize], positions);
+        let carries = |&s: &u32| {
+            let phi = integrity(s as usize);
+            (phi > 0.0).then_some((s as usize, phi))
+        };
+        for (s, phi) in self.pairs_at.of(node).iter().filter_map(carries) {
+            let stiffness = phi * springs.stiffness[s];
+            let (other, block) = column.add_pair(springs.pairs()[s], stiffness, positions);
             diagonal(other, block);
         }
-        for &s in self.others_at.of(node).iter().filter(intact) {
-            column.add_spring(springs, s as usize, positions);
+        for (s, phi) in self.others_at.of(node).iter().filter_map(carries) {
+            column.add_spring(springs, s, phi, positions);
         }
         for &e in self.elements_at.of(node) {
             column.add_element(&elements[e as usize]);
@@ -222,8 +227,8 @@ impl Pattern {
         &self,
         nodes: Range<usize>,
         mut values: &mut [f64],
-        all: (&Springs, &[[f64; 2]], &[ElementStiffness]),
-        is_intact: &(impl Fn(usize) -> bool + Sync),
+        all: (&Interactions, &[[f64; 2]], &[ElementStiffness]),
+        integrity: &(impl Fn(usize) -> f64 + Sync),
     ) -> Vec<[f64; 3]> {
         let first = nodes.start;
         let last = nodes.clone().filter_map(|node| self.graph.of(node).last());
@@ -237,7 +242,7 @@ impl Pattern {
             let (own, behind) = values.split_at_mut(3 + 4 * neighbours.len());
             values = behind;
             let mut column = Column::new(node as u32, neighbours, own);
-            self.gather(&mut column, all, is_intact, |other, block| {
+            self.gather(&mut column, all, integrity, |other, block| {
                 for end in [node, other as usize] {
                     add_to(&mut diagonals[end - first], block);
                 }
@@ -318,11 +323,11 @@ mod tests {
     #[test]
     fn gathered_matrix_equals_the_sum_of_dense_contributions() {
         let positions = [[0.0, 0.0], [1.0, 0.2], [0.3, 1.0], [1.2, 1.1]];
-        let mut springs = Springs::of_pairs(
+        let mut springs = Interactions::of_bonds(
             vec![[0, 1], [2, 1], [3, 0], [1, 3]],
             vec![2.0, 3.0, 5.0, 0.0],
         );
-        springs.push_interpolated(
+        springs.push_clipped_bond(
             [[0.1, 0.1], [0.9, 0.4]],
             [&[(0, 0.7), (3, 0.3)], &[(2, 0.6), (3, 0.4)]],
             7.0,

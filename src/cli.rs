@@ -445,7 +445,7 @@ fn check(plan: &Plan, method: Option<Method>) -> Result<(), RunError> {
     );
     println!("  material points   {}", model.areas.len());
     let (ties, what) = model.ties();
-    println!("  bonds             {}", model.bond_count);
+    println!("  bonds             {}", model.springs.bonds().len());
     println!("  {what:<18}{ties}");
     for interface in &model.interfaces {
         println!(

@@ -1,6 +1,7 @@
 //! Fields derived from the displacements: strain and stress at the finite-element nodes and at the
 //! material points, stretches.
 
+pub mod damage;
 mod joints;
 pub mod points;
 

@@ -4,17 +4,22 @@
 //! serves until the next bond breaks: u(λ) = λ u_1.
 
 mod active_zone;
+mod advance;
 mod compliance;
 pub mod control;
 mod corridor;
+pub mod crack_length;
 mod dense;
+pub mod ending;
 pub mod event;
-pub mod failure;
 pub mod functional;
 mod gone;
+pub mod laws;
 mod lost;
+pub mod problem;
 pub mod programme;
 pub mod response;
+mod solutions;
 pub mod state;
 mod touched;
 mod update;

@@ -40,12 +40,12 @@
 //! | [`peridynamics`] | eqs. (1)–(10), (16)–(19): kernel, lattice, bonds |
 //! | [`fem`] | eqs. (11)–(15): elements, quadrature, edge loads, recovery |
 //! | [`coupling`] | eq. (20): trusses; clipped bonds |
-//! | [`springs`] | what bonds and trusses have in common |
+//! | [`interactions`] | what bonds, trusses and clipped bonds have in common: e = w·u |
 //! | [`model`] | all of it in one numbering of nodes |
 //! | [`boundary`], [`support`] | supports and loads; is the body held? |
 //! | [`assembly`], [`linear_solver`], [`statics`] | eqs. (11), (12): K, its factor, U |
-//! | [`cracks`], [`fracture`] | eqs. (5)–(7): initial cracks, failure, load programmes, controls |
-//! | [`fields`] | stress, strain, stretch from U |
+//! | [`cracks`], [`fracture`] | eqs. (5), (6): initial cracks, bond laws, load programmes, controls |
+//! | [`fields`] | damage, eq. (7), and stress, strain, stretch from U |
 //! | [`output`] | VTU, PVD, PNG |
 //! | [`pipeline`], [`cli`], [`phases`], [`trace`] | stages and commands; what each phase costs, and when it ran |
 //!
@@ -156,6 +156,7 @@ pub mod fields;
 pub mod fracture;
 pub mod geometry;
 pub mod gmsh;
+pub mod interactions;
 pub mod linear_solver;
 pub mod material;
 pub mod mesh;
@@ -165,7 +166,7 @@ pub mod output;
 pub mod peridynamics;
 pub mod phases;
 pub mod pipeline;
-pub mod springs;
+
 pub mod statics;
 pub mod support;
 pub mod trace;

@@ -5,6 +5,7 @@
 
 pub mod bodies;
 mod check;
+mod families;
 pub mod node_axes;
 mod points;
 mod trusses;
@@ -15,6 +16,7 @@ use crate::coupling::clip::FamilyShare;
 use crate::cracks::Cracks;
 use crate::fem::element;
 use crate::geometry::{Outline, chords};
+use crate::interactions::Interactions;
 use crate::material::{Material, PlaneState};
 use crate::mesh::{Cell, Edge, Mesh};
 use crate::peridynamics::axes::Axes;
@@ -22,13 +24,13 @@ use crate::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
 use crate::peridynamics::lattice::LatticeSettings;
 use crate::peridynamics::point_index::PointIndex;
 use crate::peridynamics::surface::{SurfaceCorrection, SurfaceError};
-use crate::springs::Springs;
 use rayon::prelude::*;
 use std::ops::Range;
 use thiserror::Error;
 
 use check::{check_cells, check_jacobian};
 
+pub use families::FamilyMember;
 pub use node_axes::NodeAxes;
 
 /// A part of the body: which cells of the mesh, what material, which method.
@@ -143,17 +145,16 @@ pub struct Model {
     /// For every region the one that leads its lattice.
     leader: Vec<usize>,
     pub points: Vec<PointRegion>,
-    /// Bonds first, then trusses, then what else a coupling adds.
-    pub springs: Springs,
-    pub bond_count: usize,
+    pub springs: Interactions,
     /// What clipped bonds are of the points' families.
     pub clipped: Vec<FamilyShare>,
-    /// ξ of the bond that each clipped one is a part of, in the order of the springs behind the pairs [m].
+    /// ξ of the bond that each clipped bond is a part of [m].
     clipped_from: Vec<f64>,
-    /// The peridynamic regions in which each interpolated spring begins and ends.
-    interpolated_regions: Vec<Option<[usize; 2]>>,
-    /// Whether each spring is there at the start: false where it meets an initial crack.
-    pub intact: Vec<bool>,
+    /// The peridynamic regions in which each clipped bond begins and ends.
+    clipped_regions: Vec<Option<[usize; 2]>>,
+    /// Integrity φ of every interaction before the first load: 0 where it meets an initial crack, 1
+    /// elsewhere [-].
+    pub integrity: Vec<f64>,
     /// Axes of nodes that are held along neither x nor y.
     pub node_axes: NodeAxes,
 }
@@ -227,12 +228,11 @@ impl Model {
             elements: Vec::new(),
             areas: Vec::new(),
             points: Vec::new(),
-            springs: Springs::default(),
-            bond_count: 0,
+            springs: Interactions::default(),
             clipped: Vec::new(),
             clipped_from: Vec::new(),
-            interpolated_regions: Vec::new(),
-            intact: Vec::new(),
+            clipped_regions: Vec::new(),
+            integrity: Vec::new(),
             node_axes: NodeAxes::new(),
             leader,
             region_of: Vec::new(),
@@ -247,7 +247,7 @@ impl Model {
             Coupling::Clip => {}
         }
         model.mix_materials();
-        model.intact = vec![true; model.springs.len()];
+        model.integrity = vec![1.0; model.springs.len()];
         Ok(model)
     }
 
@@ -258,11 +258,11 @@ impl Model {
         }
         let positions = &self.positions;
         let springs = (0..self.springs.len()).into_par_iter();
-        let intact = springs.map(|s| {
+        let integrity = springs.map(|s| {
             let [a, b] = self.springs.segment(s, positions);
-            !cracks.sever(a, b)
+            if cracks.sever(a, b) { 0.0 } else { 1.0 }
         });
-        self.intact = intact.collect();
+        self.integrity = integrity.collect();
         self
     }
 
@@ -344,19 +344,14 @@ impl Model {
             Coupling::Truss(_) => "trusses",
             Coupling::Clip => "clipped bonds",
         };
-        (self.springs.len() - self.bond_count, what)
+        (self.springs.len() - self.springs.bonds().len(), what)
     }
 
     /// t, the part of a bond's length that a spring is [-]; 1 but for clipped bonds.
     pub fn length_share(&self, spring: usize) -> f64 {
-        let behind_pairs = spring.checked_sub(self.springs.pairs().len());
-        let bond = behind_pairs.and_then(|index| self.clipped_from.get(index));
+        let clipped = spring.checked_sub(self.springs.clipped_bonds().start);
+        let bond = clipped.and_then(|index| self.clipped_from.get(index));
         bond.map_or(1.0, |xi| self.springs.length(spring, &self.positions) / xi)
-    }
-
-    /// Whether a spring is a truss of the paper's coupling.
-    pub fn is_truss(&self, spring: usize) -> bool {
-        (self.bond_count..self.springs.pairs().len()).contains(&spring)
     }
 
     /// # Panics

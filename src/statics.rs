@@ -152,11 +152,11 @@ pub fn solve_by(
 ) -> Result<Solution, StaticsError> {
     let unsupported = phases.measure("support", || {
         support::check(model, boundary)?;
-        Ok::<_, NotHeld>(support::loose_parts(model, boundary, &model.intact))
+        Ok::<_, NotHeld>(support::loose_parts(model, boundary, &model.integrity))
     })?;
     let pinned: Vec<Vec<usize>> = unsupported.into_iter().map(|part| part.nodes).collect();
     let solver = Solver::with_method(model, boundary, method, phases)?;
-    let solution = solver.solve(&model.intact, &pinned, phases)?;
+    let solution = solver.solve(&model.integrity, &pinned, phases)?;
     Ok(Solution {
         displacement: model.in_space(&solution.displacement),
         reaction: model.in_space(&solution.reaction),
@@ -217,18 +217,18 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// Solves with the springs that are `intact`; the nodes of `pinned` parts, which nothing holds,
+    /// Solves with the `integrity` φ of every interaction; the nodes of `pinned` parts, which nothing holds,
     /// do not move.
     ///
     /// # Errors
     /// See [`StaticsError`]; a mechanism is one.
     pub fn solve(
         &self,
-        intact: &[bool],
+        integrity: &[f64],
         pinned: &[Vec<usize>],
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
-        let system = self.system(intact, pinned, &BTreeSet::new(), phases);
+        let system = self.system(integrity, pinned, &BTreeSet::new(), phases);
         let factor = self.factorise(&system, phases);
         let factor = factor.map_err(|error| self.locate(error))?;
         self.finish(&system, &system.case(self.boundary), &factor, None, phases)
@@ -246,12 +246,12 @@ impl<'a> Solver<'a> {
     pub fn solve_broken(
         &self,
         cases: &[&Boundary],
-        intact: &[bool],
+        integrity: &[f64],
         pinned: &[Vec<usize>],
         mechanisms: &mut BTreeSet<usize>,
         phases: &mut Phases,
     ) -> Result<Vec<Solution>, StaticsError> {
-        let factorised = self.factorise_broken(intact, pinned, mechanisms, phases)?;
+        let factorised = self.factorise_broken(integrity, pinned, mechanisms, phases)?;
         let solve = |case: &&Boundary| self.solve_with(&factorised, case, None, mechanisms, phases);
         cases.iter().map(solve).collect()
     }
@@ -262,13 +262,13 @@ impl<'a> Solver<'a> {
     /// See [`StaticsError`].
     pub fn factorise_broken(
         &self,
-        intact: &[bool],
+        integrity: &[f64],
         pinned: &[Vec<usize>],
         mechanisms: &mut BTreeSet<usize>,
         phases: &mut Phases,
     ) -> Result<Factorised, StaticsError> {
         loop {
-            let system = self.system(intact, pinned, mechanisms, phases);
+            let system = self.system(integrity, pinned, mechanisms, phases);
             match self.factorise(&system, phases) {
                 Ok(factor) => {
                     return Ok(Factorised {
@@ -286,8 +286,8 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// Brings a factorisation up to springs that have gone, of those that are `intact` now, and to parts
-    /// that are pinned since: the bits of [`Solver::factorise_broken`]. False where K is to be factorised as
+    /// Brings a factorisation up to the `integrity` φ of now, which only `changed` interactions have changed
+    /// to, and to parts that are pinned since: the bits of [`Solver::factorise_broken`]. False where K is to be factorised as
     /// a whole.
     ///
     /// # Errors
@@ -295,8 +295,8 @@ impl<'a> Solver<'a> {
     pub fn refactorise(
         &self,
         factorised: &mut Factorised,
-        gone: &[u32],
-        intact: &[bool],
+        changed: &[u32],
+        integrity: &[f64],
         pinned: &[Vec<usize>],
         mechanisms: &mut BTreeSet<usize>,
         phases: &mut Phases,
@@ -310,28 +310,28 @@ impl<'a> Solver<'a> {
         }
         let Factorised { system, factor, .. } = factorised;
         let of_spring = |&spring: &u32| springs.nodes(spring as usize);
-        let mut changed: BTreeSet<u32> = gone.iter().flat_map(of_spring).copied().collect();
-        let nodes: Vec<u32> = changed.iter().copied().collect();
+        let mut around: BTreeSet<u32> = changed.iter().flat_map(of_spring).copied().collect();
+        let nodes: Vec<u32> = around.iter().copied().collect();
         phases.measure("assembly", || {
             let stiffness = &mut system.stiffness;
-            (self.structure).reassemble(stiffness, &nodes, (positions, springs), intact);
+            (self.structure).reassemble(stiffness, &nodes, (positions, springs), integrity);
         });
         let is_free = |node: &usize| [0, 1].iter().any(|axis| !system.is_held[2 * node + axis]);
         let new: Vec<usize> = pinned.iter().flatten().copied().filter(is_free).collect();
         new.iter()
-            .for_each(|&node| self.add_around(&mut changed, node));
+            .for_each(|&node| self.add_around(&mut around, node));
         system.pin(pinned);
         let new = mechanisms.iter().filter(|&&dof| !system.is_held[dof]);
         for dof in new.copied().collect::<Vec<_>>() {
             system.is_held[dof] = true;
-            self.add_around(&mut changed, dof / 2);
+            self.add_around(&mut around, dof / 2);
         }
         loop {
             let held = Held {
                 dofs: &system.is_held,
                 diagonal: self.diagonal,
             };
-            let nodes: Vec<u32> = changed.iter().copied().collect();
+            let nodes: Vec<u32> = around.iter().copied().collect();
             let done = phases.measure("refactorisation", || {
                 factor.refactorise(&system.stiffness, held, &nodes)
             });
@@ -340,8 +340,8 @@ impl<'a> Solver<'a> {
                 // The set grows with every turn, so that the loop ends.
                 Err(SolverError::NotPositiveDefinite { dof }) if mechanisms.insert(dof) => {
                     system.is_held[dof] = true;
-                    changed.clear();
-                    self.add_around(&mut changed, dof / 2);
+                    around.clear();
+                    self.add_around(&mut around, dof / 2);
                 }
                 Err(error) => return Err(self.locate(error)),
             }
@@ -390,7 +390,7 @@ impl<'a> Solver<'a> {
 
     fn system(
         &self,
-        intact: &[bool],
+        integrity: &[f64],
         pinned: &[Vec<usize>],
         mechanisms: &BTreeSet<usize>,
         phases: &mut Phases,
@@ -401,7 +401,7 @@ impl<'a> Solver<'a> {
             structure,
             ..
         } = self;
-        let stiffness = phases.measure("assembly", || structure.assemble(model, intact));
+        let stiffness = phases.measure("assembly", || structure.assemble(model, integrity));
         System::new(stiffness, boundary, pinned, mechanisms)
     }
 

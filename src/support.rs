@@ -71,7 +71,7 @@ const FREE: f64 = 1e-12;
 /// # Errors
 /// The first part that can still move.
 pub fn check(model: &Model, boundary: &Boundary) -> Result<(), NotHeld> {
-    let uncracked = vec![true; model.springs.len()];
+    let uncracked = vec![1.0; model.springs.len()];
     let parts = connected_parts(model, &uncracked);
     let whole = parts.len() == 1;
     for nodes in &parts {
@@ -121,9 +121,9 @@ impl LoosePart {
 /// loads are exact to 1e-15, sums over a mesh to some digits less.
 const PUSHED: f64 = 1e-10;
 
-/// The parts that the springs still intact do not tie to enough supports: what has broken off, or hangs
-/// on a roller.
-pub fn loose_parts(model: &Model, boundary: &Boundary, intact: &[bool]) -> Vec<LoosePart> {
+/// The parts that no interaction with an `integrity` φ > 0 ties to enough supports: parts that have
+/// broken off, or hang on a roller.
+pub fn loose_parts(model: &Model, boundary: &Boundary, integrity: &[f64]) -> Vec<LoosePart> {
     let is_held = |&node: &usize| {
         let mut dofs = [2 * node, 2 * node + 1].into_iter();
         dofs.any(|dof| boundary.prescribed.contains_key(&dof))
@@ -137,20 +137,20 @@ pub fn loose_parts(model: &Model, boundary: &Boundary, intact: &[bool]) -> Vec<L
             free,
         })
     };
-    let parts = connected_parts(model, intact).into_iter();
+    let parts = connected_parts(model, integrity).into_iter();
     parts.filter_map(loose).collect()
 }
 
-/// The sets of nodes that elements and intact springs with stiffness connect, ordered by their
+/// The sets of nodes that elements and interactions with stiffness connect, ordered by their
 /// lowest node.
-fn connected_parts(model: &Model, intact: &[bool]) -> Vec<Vec<usize>> {
+fn connected_parts(model: &Model, integrity: &[f64]) -> Vec<Vec<usize>> {
     let mut parent: Vec<u32> = (0..model.node_count() as u32).collect();
     let mut join = |a: u32, b: u32| {
         let (a, b) = (root(&mut parent, a), root(&mut parent, b));
         parent[a.max(b) as usize] = a.min(b);
     };
-    for (s, &intact) in intact.iter().enumerate() {
-        if intact && model.springs.stiffness[s] != 0.0 {
+    for (s, &phi) in integrity.iter().enumerate() {
+        if phi > 0.0 && model.springs.stiffness[s] != 0.0 {
             let nodes = model.springs.nodes(s);
             nodes.windows(2).for_each(|pair| join(pair[0], pair[1]));
         }

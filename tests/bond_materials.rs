@@ -69,7 +69,7 @@ fn a_bond_between_two_materials_has_the_harmonic_mean() {
     let (soft, stiff) = (steel().young, 5.0 * steel().young);
     let (uniform, mixed) = (two([soft; 2]), two([soft, stiff]));
     let mut across = 0;
-    for bond in 0..mixed.bond_count {
+    for bond in mixed.springs.bonds() {
         let [a, b] = mixed.springs.segment(bond, &mixed.positions);
         let factor = match [a[0] > 0.1, b[0] > 0.1] {
             [false, false] => 1.0,

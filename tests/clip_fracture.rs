@@ -17,11 +17,13 @@ use common::*;
 use peristitch::boundary::Boundary;
 use peristitch::coupling::Coupling;
 use peristitch::cracks::Cracks;
+use peristitch::fields::damage::damage;
 use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Resolution, Until};
-use peristitch::fracture::failure::{CriticalStretch, Strength};
+use peristitch::fracture::laws::brittle::Brittle;
+use peristitch::fracture::laws::{BondLaws, Strength, StretchLimits};
 use peristitch::fracture::programme::Programme;
 use peristitch::fracture::response::Response;
-use peristitch::fracture::state::{Limits, State, damage};
+use peristitch::fracture::state::State;
 use peristitch::material::PlaneState;
 use peristitch::mesh::{CellKind, Edge};
 use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings};
@@ -42,7 +44,7 @@ const STEP: f64 = 1e-8;
 struct Plate {
     model: Model,
     programme: Programme,
-    limits: Limits,
+    laws: BondLaws,
 }
 
 type Crack = [[f64; 2]; 2];
@@ -96,21 +98,21 @@ impl Plate {
             tensile: 2e6,
             compressive: Some(20e6),
         };
-        let limit = CriticalStretch::new(strength, steel().young, &model.points[0].micromodulus);
+        let law = Brittle::new(strength, steel().young, &model.points[0].micromodulus);
         // As the pipeline has it: what clipping leaves between two sides of elements never breaks, and a
         // part of a bond takes the energy of the whole.
         let of_spring = |s: usize| match model.regions_of_spring(s) {
-            Some(_) => limit.of_part(model.length_share(s)),
-            None => CriticalStretch::UNBREAKABLE,
+            Some(_) => law.part(model.length_share(s)).limits,
+            None => StretchLimits::NONE,
         };
-        let limits = Limits {
-            table: (0..model.springs.len()).map(of_spring).collect(),
-            class: (0..model.springs.len() as u32).collect(),
-        };
+        let laws = BondLaws::brittle(
+            (0..model.springs.len()).map(of_spring).collect(),
+            (0..model.springs.len() as u32).collect(),
+        );
         Plate {
             model,
             programme: Programme::proportional(boundary),
-            limits,
+            laws,
         }
     }
 
@@ -118,7 +120,7 @@ impl Plate {
         let problem = Problem {
             model: &self.model,
             programme: &self.programme,
-            limits: &self.limits,
+            laws: &self.laws,
             control,
             resolution: Resolution::Fast,
             until: Until {
@@ -149,7 +151,7 @@ impl Plate {
             ends
         };
         [false, true].map(|mirrored| {
-            let broken = (0..springs.len()).filter(|&s| !state.intact[s]);
+            let broken = (0..springs.len()).filter(|&s| state.integrity[s] == 0.0);
             let mut keys: Vec<_> = broken.map(|s| key(s, mirrored)).collect();
             keys.sort_unstable();
             keys
@@ -157,9 +159,9 @@ impl Plate {
     }
 
     /// The largest damage of points within δ of an interface.
-    fn damage_beside_the_interface(&self, intact: &[bool]) -> f64 {
+    fn damage_beside_the_interface(&self, integrity: &[f64]) -> f64 {
         let points = &self.model.positions[self.model.fe_node_count()..];
-        let all = points.iter().zip(damage(&self.model, intact));
+        let all = points.iter().zip(damage(&self.model, integrity));
         let beside = all.filter(|(x, _)| (x[1] - 0.05).abs() > 0.03 - 3.0 * DX);
         beside.map(|(_, damage)| damage).fold(0.0, f64::max)
     }
@@ -179,7 +181,7 @@ impl Plate {
     }
 
     fn severed(&self) -> impl Iterator<Item = usize> {
-        (0..self.model.springs.len()).filter(|&s| !self.model.intact[s])
+        (0..self.model.springs.len()).filter(|&s| self.model.integrity[s] == 0.0)
     }
 
     /// Σ k ξ of what a crack severs [N]; the forces across it under a stretch of one are its components.
@@ -232,7 +234,7 @@ fn a_notched_plate_separates_under_every_control() {
         let [broken, mirrored] = plate.broken(&state);
         let energy = state.energy;
         let balance = (energy.external - energy.elastic - energy.dissipated) / energy.external;
-        let beside = plate.damage_beside_the_interface(&state.intact);
+        let beside = plate.damage_beside_the_interface(&state.integrity);
         assert_eq!(ending, Ending::Separated, "{control:?}");
         assert_eq!(broken, mirrored, "{control:?}");
         assert!(residual < 1e-12, "{control:?}: {residual:e}");
@@ -315,7 +317,7 @@ fn clipped_bonds_count_as_damage() {
         let plate = Plate::new(&[[[0.0, y], [0.1, y]]]);
         let at = [20.5 * DX, INTERFACE + 0.5 * DX];
         let below = nearest(&plate.model.positions, at);
-        let damage = damage(&plate.model, &plate.model.intact);
+        let damage = damage(&plate.model, &plate.model.integrity);
         let found = damage[below - plate.model.fe_node_count()];
         assert!((found - expected).abs() < 1e-12, "{}", found * 27.0);
     }

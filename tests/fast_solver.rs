@@ -10,10 +10,11 @@ use common::*;
 use peristitch::boundary::Boundary;
 use peristitch::cracks::Cracks;
 use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Resolution, Until};
-use peristitch::fracture::failure::{CriticalStretch, Strength};
+use peristitch::fracture::laws::brittle::Brittle;
+use peristitch::fracture::laws::{BondLaws, Strength, StretchLimits};
 use peristitch::fracture::programme::{LoadPhase, Programme};
 use peristitch::fracture::response::Response;
-use peristitch::fracture::state::{Limits, State};
+use peristitch::fracture::state::State;
 use peristitch::material::PlaneState;
 use peristitch::mesh::{CellKind, Edge};
 use peristitch::model::{Method, Model, PeridynamicSettings};
@@ -21,7 +22,7 @@ use peristitch::peridynamics::lattice::Placement;
 use peristitch::phases::Phases;
 use peristitch::pipeline::read::plan::Plan;
 use peristitch::pipeline::stages::run::{Options, discretised};
-use peristitch::pipeline::stages::validate::{limits, programme};
+use peristitch::pipeline::stages::validate::{laws, programme};
 use peristitch::statics::StaticsError;
 use std::path::Path;
 
@@ -29,7 +30,7 @@ const DX: f64 = 2.5e-3;
 
 /// 100 × 100 mm, grips of finite elements below and above 40 × 24 points, with a crack along each of
 /// the given lines.
-fn plate(lines: &[[[f64; 2]; 2]]) -> (Model, Limits) {
+fn plate(lines: &[[[f64; 2]; 2]]) -> (Model, BondLaws) {
     let grid = Grid {
         size: [0.1, 0.1],
         count: [10, 10],
@@ -65,13 +66,13 @@ fn plate(lines: &[[[f64; 2]; 2]]) -> (Model, Limits) {
         tensile: 2e6,
         compressive: Some(20e6),
     };
-    let limit = CriticalStretch::new(strength, steel().young, &model.points[0].micromodulus);
-    let class = |spring| u32::from(spring < model.bond_count);
-    let limits = Limits {
-        table: vec![CriticalStretch::UNBREAKABLE, limit],
-        class: (0..model.springs.len()).map(class).collect(),
-    };
-    (model, limits)
+    let law = Brittle::new(strength, steel().young, &model.points[0].micromodulus);
+    let class = |spring| u32::from(model.springs.bonds().contains(&spring));
+    let laws = BondLaws::brittle(
+        vec![StretchLimits::NONE, law.limits],
+        (0..model.springs.len()).map(class).collect(),
+    );
+    (model, laws)
 }
 
 /// The bottom held, the top moved.
@@ -95,7 +96,7 @@ struct Course {
 }
 
 fn run(
-    (model, limits): &(Model, Limits),
+    (model, laws): &(Model, BondLaws),
     programme: &Programme,
     control: Control,
     steps: usize,
@@ -104,7 +105,7 @@ fn run(
     let problem = Problem {
         model,
         programme,
-        limits,
+        laws,
         control,
         until: Until {
             steps,
@@ -127,7 +128,7 @@ fn run(
             .fold(peak, |peak, f| peak.max(f.abs()));
         list.push((
             [state.load.factor, state.load.share],
-            state.broken.len(),
+            state.broken().len(),
             [energy.external, energy.elastic, energy.dissipated],
             record.residual,
         ));
@@ -146,7 +147,7 @@ fn run(
 
 /// Runs both ways and compares; returns how many factorisations each took.
 fn compare(
-    plate: &(Model, Limits),
+    plate: &(Model, BondLaws),
     programme: &Programme,
     control: Control,
     steps: usize,
@@ -154,7 +155,8 @@ fn compare(
     let [fast, reference] = [Resolution::Fast, Resolution::Reference]
         .map(|resolution| run(plate, programme, control, steps, resolution));
     assert_eq!(
-        fast.state.broken, reference.state.broken,
+        fast.state.broken(),
+        reference.state.broken(),
         "{control:?}: the order of the bonds"
     );
     assert_eq!(fast.ending, reference.ending, "{control:?}");
@@ -211,7 +213,7 @@ fn compare(
 }
 
 /// The plate of Qian et al. (2021), section 4.2, event-driven.
-fn plate_mode_i(spacing: &str) -> ((Model, Limits), Programme) {
+fn plate_mode_i(spacing: &str) -> ((Model, BondLaws), Programme) {
     let pipeline = Path::new(env!("CARGO_MANIFEST_DIR")).join("pipelines/plate_mode_i.yaml");
     let settings = [
         format!("regions.1.spacing={spacing}"),
@@ -222,8 +224,8 @@ fn plate_mode_i(spacing: &str) -> ((Model, Limits), Programme) {
     options.gmsh.worker = Some(env!("CARGO_BIN_EXE_peristitch").into());
     let (model, _, _) = discretised(&plan, &options).expect("a sound mesh");
     let programme = programme(&plan, &model).expect("sound loads");
-    let limits = limits(&plan, &model);
-    ((model, limits), programme)
+    let laws = laws(&plan, &model);
+    ((model, laws), programme)
 }
 
 /// The whole way to the separation, and what a factorisation of all that is left says at every
@@ -231,11 +233,11 @@ fn plate_mode_i(spacing: &str) -> ((Model, Limits), Programme) {
 /// same zones.
 #[test]
 fn the_plate_of_section_4_2_event_driven() {
-    let ((model, limits), programme) = plate_mode_i("0.5 mm");
+    let ((model, laws), programme) = plate_mode_i("0.5 mm");
     let problem = |steps, resolution| Problem {
         model: &model,
         programme: &programme,
-        limits: &limits,
+        laws: &laws,
         control: Control::EventDriven,
         until: Until {
             steps,
@@ -257,7 +259,7 @@ fn the_plate_of_section_4_2_event_driven() {
     let fast = problem(usize::MAX, Resolution::Fast);
     let ending = control::run(&fast, &mut state, &mut phases, observe).expect("no error");
     assert_eq!(
-        (ending, state.step, state.broken.len()),
+        (ending, state.step, state.broken().len()),
         (Ending::Separated, 816, 3222)
     );
     // The bound of the drift.
@@ -284,8 +286,8 @@ fn the_plate_of_section_4_2_event_driven() {
             sample.step
         );
         assert_eq!(
-            sample.broken,
-            state.broken[..sample.broken.len()],
+            sample.broken(),
+            state.broken()[..sample.broken().len()],
             "event {}",
             sample.step
         );

@@ -5,11 +5,13 @@ mod common;
 use common::*;
 use peristitch::boundary::Boundary;
 use peristitch::cracks::Cracks;
+use peristitch::fields::damage::damage;
 use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Resolution, Until};
-use peristitch::fracture::failure::{CriticalStretch, Strength};
+use peristitch::fracture::laws::brittle::Brittle;
+use peristitch::fracture::laws::{BondLaws, Strength, StretchLimits};
 use peristitch::fracture::programme::Programme;
 use peristitch::fracture::response::Response;
-use peristitch::fracture::state::{Limits, State, damage};
+use peristitch::fracture::state::State;
 use peristitch::material::PlaneState;
 use peristitch::mesh::{CellKind, Edge, Mesh};
 use peristitch::model::{Method, Model, PeridynamicSettings};
@@ -66,7 +68,7 @@ fn curve(mesh: &mut Mesh, segments: &[[[f64; 2]; 2]]) -> Vec<Edge> {
 struct Plate {
     model: Model,
     programme: Programme,
-    limits: Limits,
+    laws: BondLaws,
 }
 
 impl Plate {
@@ -98,11 +100,11 @@ impl Plate {
             let u = [Some(0.0), Some(sign * STEP)];
             boundary.displace(&model, group, u).expect("a grip");
         }
-        let limits = limits(&model);
+        let laws = laws(&model);
         Plate {
             model,
             programme: Programme::proportional(boundary),
-            limits,
+            laws,
         }
     }
 
@@ -115,7 +117,7 @@ impl Plate {
         Problem {
             model: &self.model,
             programme: &self.programme,
-            limits: &self.limits,
+            laws: &self.laws,
             control,
             until: Until {
                 steps,
@@ -151,7 +153,7 @@ struct Step {
 }
 
 /// Bonds as strong as [`STRENGTH`]; trusses never break.
-fn limits(model: &Model) -> Limits {
+fn laws(model: &Model) -> BondLaws {
     let [tensile, compressive] = STRENGTH;
     let strength = Strength::Stress {
         tensile,
@@ -159,14 +161,14 @@ fn limits(model: &Model) -> Limits {
     };
     let young = steel().young;
     let micromodulus = &model.points[0].micromodulus;
-    let class = |spring| u32::from(spring < model.bond_count);
-    Limits {
-        table: vec![
-            CriticalStretch::UNBREAKABLE,
-            CriticalStretch::new(strength, young, micromodulus),
+    let class = |spring| u32::from(model.springs.bonds().contains(&spring));
+    BondLaws::brittle(
+        vec![
+            StretchLimits::NONE,
+            Brittle::new(strength, young, micromodulus).limits,
         ],
-        class: (0..model.springs.len()).map(class).collect(),
-    }
+        (0..model.springs.len()).map(class).collect(),
+    )
 }
 
 fn stretch(model: &Model, spring: usize, displacement: &[[f64; 2]]) -> f64 {
@@ -184,7 +186,7 @@ fn damage_of_the_row_beside_a_straight_crack() {
     let y = 10.0 * DX;
     let model = lattice(20, &[[[0.0, y], [40.0 * DX, y]]]);
     let beside = nearest(&model.positions, [20.5 * DX, y - 0.5 * DX]);
-    let found = damage(&model, &model.intact)[beside];
+    let found = damage(&model, &model.integrity)[beside];
     // 20 of 48 neighbours lie behind the crack.
     assert!((found - 20.0 / 48.0).abs() < 1e-12, "{found}");
     assert_eq!(format!("{found:.4}"), "0.4167");
@@ -192,10 +194,10 @@ fn damage_of_the_row_beside_a_straight_crack() {
     let horizon = model.points[0].micromodulus.horizon;
     let has = |spring: &usize| model.springs.nodes(*spring).contains(&(beside as u32));
     let shorter = |spring: &usize| length(&model, *spring) < (1.0 - 1e-9) * horizon;
-    let family: Vec<usize> = (0..model.bond_count).filter(has).filter(shorter).collect();
+    let family: Vec<usize> = model.springs.bonds().filter(has).filter(shorter).collect();
     let broken = family
         .iter()
-        .filter(|&&spring| !model.intact[spring])
+        .filter(|&&spring| model.integrity[spring] == 0.0)
         .count();
     assert_eq!([broken, family.len()], [19, 44]);
     assert_eq!(
@@ -204,7 +206,7 @@ fn damage_of_the_row_beside_a_straight_crack() {
     );
     // Far from the crack there is none.
     let far = nearest(&model.positions, [20.5 * DX, 0.5 * DX]);
-    assert_eq!(damage(&model, &model.intact)[far], 0.0);
+    assert_eq!(damage(&model, &model.integrity)[far], 0.0);
 }
 
 #[test]
@@ -231,7 +233,8 @@ fn discrete_energy_release_rate_along_the_axis_and_at_45_degrees() {
         let continuum = micromodulus.c0 * micromodulus.kernel.third_moment();
         let continuum = continuum * micromodulus.horizon.powi(4);
         let strength = Strength::EnergyReleaseRate(0.14);
-        let s0 = CriticalStretch::new(strength, steel().young, micromodulus).tension;
+        let law = Brittle::new(strength, steel().young, micromodulus);
+        let s0 = law.limits.tension;
         let mean = 0.5 * (straight + oblique);
         let expected = if settings.isotropised { mean } else { 1.0 };
         // Sums of some hundred bonds in another order.
@@ -244,7 +247,8 @@ fn discrete_energy_release_rate_along_the_axis_and_at_45_degrees() {
             tensile: 2e6,
             compressive: None,
         };
-        let s_t = CriticalStretch::new(strength, steel().young, micromodulus).tension;
+        let law = Brittle::new(strength, steel().young, micromodulus);
+        let s_t = law.limits.tension;
         assert_eq!(s_t, 2e6 / steel().young);
     }
 }
@@ -254,11 +258,11 @@ fn free_state(model: &Model) -> State {
 }
 
 /// Breaks what is over its limit, and says how many bonds that were.
-fn break_exceeded(model: &Model, limits: &Limits, state: &mut State) -> usize {
+fn break_exceeded(model: &Model, laws: &BondLaws, state: &mut State) -> usize {
     let problem = Problem {
         model,
         programme: &Programme::proportional(Boundary::new(model)),
-        limits,
+        laws,
         control: Control::OnePass,
         until: Until {
             steps: 1,
@@ -266,10 +270,10 @@ fn break_exceeded(model: &Model, limits: &Limits, state: &mut State) -> usize {
         },
         resolution: Resolution::Fast,
     };
-    let is_over = |&s: &usize| limits.of(s).is_exceeded(state.stretch(model, s));
-    let intact = (0..model.springs.len()).filter(|&s| state.intact[s]);
+    let is_over = |&s: &usize| laws.first_limits(s).is_exceeded(state.stretch(model, s));
+    let intact = (0..model.springs.len()).filter(|&s| state.integrity[s] > 0.0);
     let exceeded: Vec<usize> = intact.filter(is_over).collect();
-    state.break_bonds(&problem, None, &exceeded)
+    state.change(&problem, None, &exceeded).len()
 }
 
 /// u = ε·x with the given ε_xx and ε_yy.
@@ -284,7 +288,7 @@ fn strained(model: &Model, [xx, yy]: [f64; 2]) -> Vec<[f64; 2]> {
 #[test]
 fn both_branches_break_exactly_what_is_over_its_limit() {
     let model = lattice(12, &[]);
-    let limits = limits(&model);
+    let laws = laws(&model);
     let [tension, compression] = STRENGTH.map(|strength| strength / steel().young);
     for (strain, share) in [
         ([1.5 * tension, 0.0], "tension"),
@@ -293,13 +297,13 @@ fn both_branches_break_exactly_what_is_over_its_limit() {
     ] {
         let mut state = free_state(&model);
         state.displacement = strained(&model, strain);
-        let broken = break_exceeded(&model, &limits, &mut state);
+        let broken = break_exceeded(&model, &laws, &mut state);
         let over = |&spring: &usize| {
             let s = stretch(&model, spring, &state.displacement);
             s > tension || s < -compression
         };
         let expected: Vec<usize> = (0..model.springs.len()).filter(over).collect();
-        let gone = |&spring: &usize| !state.intact[spring];
+        let gone = |&spring: &usize| state.integrity[spring] == 0.0;
         assert!(
             (0..model.springs.len())
                 .filter(gone)
@@ -308,35 +312,36 @@ fn both_branches_break_exactly_what_is_over_its_limit() {
         );
         assert_eq!(broken, expected.len());
         assert_eq!(broken == 0, share == "neither", "{share}: {broken}");
-        assert_eq!(state.broken.len(), broken);
+        assert_eq!(state.broken().len(), broken);
     }
 }
 
 #[test]
 fn without_a_compressive_strength_compression_breaks_nothing() {
     let model = lattice(12, &[]);
-    let mut limits = limits(&model);
-    for limit in &mut limits.table {
-        limit.compression = f64::INFINITY;
-    }
+    let limits = StretchLimits {
+        tension: STRENGTH[0] / steel().young,
+        compression: f64::INFINITY,
+    };
+    let laws = BondLaws::brittle(vec![limits], vec![0; model.springs.len()]);
     let mut state = free_state(&model);
     state.displacement = strained(&model, [-1.0, -1.0]);
-    assert_eq!(break_exceeded(&model, &limits, &mut state), 0);
+    assert_eq!(break_exceeded(&model, &laws, &mut state), 0);
 }
 
 #[test]
 fn unloading_and_loading_again_heal_nothing() {
     let model = lattice(12, &[]);
-    let limits = limits(&model);
+    let laws = laws(&model);
     let large = 1.5 * STRENGTH[0] / steel().young;
     let mut state = free_state(&model);
     state.displacement = strained(&model, [large, 0.0]);
-    assert!(break_exceeded(&model, &limits, &mut state) > 0);
-    let intact = state.intact.clone();
+    assert!(break_exceeded(&model, &laws, &mut state) > 0);
+    let integrity = state.integrity.clone();
     for strain in [0.0, -large, 0.5 * large, large] {
         state.displacement = strained(&model, [strain, 0.0]);
-        assert_eq!(break_exceeded(&model, &limits, &mut state), 0, "{strain}");
-        assert_eq!(state.intact, intact);
+        assert_eq!(break_exceeded(&model, &laws, &mut state), 0, "{strain}");
+        assert_eq!(state.integrity, integrity);
     }
 }
 
@@ -377,12 +382,12 @@ fn event_driven_balances_energy_and_traces_the_snap_back() {
     );
     // What has broken stays broken, though the load falls.
     for pair in steps.windows(2) {
-        let (before, after) = (&pair[0].state.intact, &pair[1].state.intact);
+        let (before, after) = (&pair[0].state.integrity, &pair[1].state.integrity);
         assert!(
             before
                 .iter()
                 .zip(after)
-                .all(|(before, after)| *before || !*after)
+                .all(|(before, after)| after <= before)
         );
         assert!(pair[1].record.broken > 0);
     }
@@ -415,10 +420,11 @@ fn in_equilibrium_no_bond_is_over_its_limit() {
     assert_eq!(ending, Ending::Separated);
     assert!(steps.iter().any(|step| step.record.passes > 2));
     for Step { state, record } in &steps {
-        for spring in (0..plate.model.springs.len()).filter(|&spring| state.intact[spring]) {
+        for spring in (0..plate.model.springs.len()).filter(|&spring| state.integrity[spring] > 0.0)
+        {
             let s = stretch(&plate.model, spring, &state.displacement);
             assert!(
-                !plate.limits.of(spring).is_exceeded(s),
+                !plate.laws.first_limits(spring).is_exceeded(s),
                 "step {}",
                 state.step
             );
@@ -476,7 +482,7 @@ fn steps_are_limited_and_a_run_goes_on_from_its_state() {
             // checkpoint.
             let (own, other) = (piece.state.load.factor, whole.state.load.factor);
             let same =
-                piece.state.broken == whole.state.broken && (own / other - 1.0).abs() < 1e-11;
+                piece.state.broken() == whole.state.broken() && (own / other - 1.0).abs() < 1e-11;
             assert!(same, "{control:?}, step {step}");
         }
         // Behind the end nothing happens.
@@ -487,7 +493,8 @@ fn steps_are_limited_and_a_run_goes_on_from_its_state() {
 #[test]
 fn nothing_left_to_break() {
     let mut plate = Plate::notched();
-    plate.limits.class.fill(0);
+    let class = vec![0; plate.model.springs.len()];
+    plate.laws = BondLaws::brittle(vec![StretchLimits::NONE], class);
     let (ending, steps) = plate.run(&mut plate.start(), Control::EventDriven, 1000);
     assert_eq!((ending, steps.len()), (Ending::NothingLeftToBreak, 0));
     let (ending, steps) = plate.run(&mut plate.start(), Control::OnePass, 20);
@@ -524,7 +531,7 @@ fn a_crack_through_a_row_of_points_isolates_them() {
     let expected: Vec<Vec<usize>> = expected.map(|node| vec![node]).collect();
     assert_eq!(expected.len(), 11);
     assert_eq!(state.fragments, expected);
-    let damage = damage(&plate.model, &state.intact);
+    let damage = damage(&plate.model, &state.integrity);
     for fragment in &expected {
         assert_eq!(damage[fragment[0] - plate.model.fe_node_count()], 1.0);
     }
@@ -555,17 +562,18 @@ fn a_chunk_on_a_hinge_does_not_stop_the_run() {
     let mut joined = 0;
     for (spring, ends) in model.springs.pairs().iter().enumerate() {
         if chunk.contains(&ends[0]) != chunk.contains(&ends[1]) {
-            state.intact[spring] = ends.contains(&hinge);
-            joined += usize::from(state.intact[spring]);
+            let is_joined = ends.contains(&hinge);
+            state.integrity[spring] = if is_joined { 1.0 } else { 0.0 };
+            joined += usize::from(is_joined);
         }
     }
     assert!(joined >= 2, "{joined}");
-    let loose = support::loose_parts(model, plate.programme.supports(), &state.intact);
+    let loose = support::loose_parts(model, plate.programme.supports(), &state.integrity);
     assert!(loose.is_empty(), "the chunk is connected");
     // For a plain solve this is an error,
     let mut phases = Phases::default();
     let solver = Solver::new(model, plate.programme.supports(), &mut phases).expect("a solver");
-    let plain = solver.solve(&state.intact, &[], &mut phases);
+    let plain = solver.solve(&state.integrity, &[], &mut phases);
     assert!(
         matches!(plain, Err(StaticsError::Mechanism { .. })),
         "{plain:?}"
@@ -618,21 +626,21 @@ loading: {{ control: one-pass, steps: 10 }}
         let set = format!("coupling={{truss: {{breakable: {trusses_break}}}}}");
         let plan = Plan::read(&path, &[set], None).expect("a sound pipeline");
         let (model, _) = validate::discretise(&plan, mesh.clone()).expect("a model");
-        let limits = validate::limits(&plan, &model);
+        let laws = validate::laws(&plan, &model);
         let mut counts = [0, 0];
         for (spring, ends) in model.springs.pairs().iter().enumerate() {
-            let is_truss = spring >= model.bond_count;
+            let is_truss = model.springs.trusses().contains(&spring);
             let is_point = |node: u32| node as usize >= model.fe_node_count();
             let held = |node: u32| is_point(node) && model.positions[node as usize][0] < 0.05;
             let expected = if ends.iter().any(|&node| held(node)) || (is_truss && !trusses_break) {
-                CriticalStretch::UNBREAKABLE
+                StretchLimits::NONE
             } else {
-                CriticalStretch {
+                StretchLimits {
                     tension: 2e6 / 100e9,
                     compression: f64::INFINITY,
                 }
             };
-            assert_eq!(limits.of(spring), expected);
+            assert_eq!(laws.first_limits(spring), expected);
             counts[usize::from(is_truss)] += usize::from(expected.tension.is_finite());
         }
         assert!(counts[0] > 0);

@@ -104,7 +104,7 @@ impl Run {
         let file = self.read("solution.bin");
         let (displacement, _): (Vec<[f64; 2]>, &[u8]) =
             postcard::take_from_bytes(&file).expect("displacements");
-        let fields = PointFields::new(&model, &displacement, &model.intact);
+        let fields = PointFields::new(&model, &displacement, &model.integrity);
         let points = &model.positions[model.fe_node_count()..];
         let distance = |point: &[f64; 2]| (point[0] - x).hypot(point[1] - y);
         let nearest = (0..points.len())
@@ -116,10 +116,10 @@ impl Run {
     fn path(&self) -> Vec<[f64; 2]> {
         let model = self.model();
         let last = format!("frames/{:06}.bin", self.history().len());
-        let frame: Frame = postcard::from_bytes(&self.read(&last)).expect("a frame");
+        let frame: Frame = Frame::from_file(&self.read(&last)).expect("a frame");
         let springs = model.springs.pairs().iter();
-        let state = model.intact.iter().zip(&frame.intact);
-        let broken = springs.zip(state).filter(|(_, (was, is))| **was && !**is);
+        let state = model.integrity.iter().zip(frame.integrity.to_vec());
+        let broken = springs.zip(state).filter(|(_, (was, is))| **was > *is);
         let ends = broken.map(|(ends, _)| ends.map(|node| model.positions[node as usize]));
         let bonds: Vec<[[f64; 2]; 2]> = ends.collect();
         let length = |[a, b]: [[f64; 2]; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);

@@ -19,12 +19,12 @@ mod common;
 
 use common::assert_between;
 use peristitch::geometry::Outline;
+use peristitch::interactions::{self, Interactions};
 use peristitch::material::{Material, PlaneState};
 use peristitch::peridynamics::bonds::bonds;
 use peristitch::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, Lattice, LatticeSettings, Placement, lattice};
 use peristitch::peridynamics::visibility::Visibility;
-use peristitch::springs::{self, Springs};
 
 const DX: f64 = 2.5e-3;
 const THICKNESS: f64 = 0.3;
@@ -59,11 +59,11 @@ fn micromodulus(
 }
 
 /// C11, C22, C12, C66 and C16 over E of the bonds that end at `point`.
-fn moduli(lattice: &Lattice, bonds: &Springs, point: u32) -> [f64; 5] {
+fn moduli(lattice: &Lattice, bonds: &Interactions, point: u32) -> [f64; 5] {
     let mut c = [0.0; 5];
     for (&ends, k) in bonds.pairs().iter().zip(&bonds.stiffness) {
         if ends.contains(&point) {
-            let (xi, [x, y]) = springs::axis(ends, &lattice.positions);
+            let (xi, [x, y]) = interactions::axis(ends, &lattice.positions);
             let weight = k * xi * xi / (2.0 * lattice.areas[point as usize] * THICKNESS * YOUNG);
             let terms = [
                 x.powi(4),

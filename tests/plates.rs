@@ -3,11 +3,12 @@
 
 mod workplace;
 
-use peristitch::fracture::state::damage;
+use peristitch::fields::damage::damage;
 use peristitch::gmsh::Extract;
 use peristitch::model::Model;
 use peristitch::pipeline::read::plan::Plan;
 use peristitch::pipeline::record::frames::Frame;
+use peristitch::pipeline::record::sparse_integrity::SparseIntegrity;
 use peristitch::pipeline::stages::validate::discretise;
 use serde::de::DeserializeOwned;
 use std::collections::{BTreeSet, HashMap};
@@ -79,7 +80,8 @@ impl Plate {
         let (model, _) = discretise(&plan, mesh).expect("a model");
         let files = std::fs::read_dir(folder.join("frames")).expect("frames");
         let mut frames: Vec<Frame> = files
-            .map(|file| decode(&file.expect("an entry").path()))
+            .map(|file| std::fs::read(file.expect("an entry").path()).expect("a frame"))
+            .map(|bytes| Frame::from_file(&bytes).expect("a frame"))
             .collect();
         frames.sort_by_key(|frame| frame.step);
         let steps = frames.iter().map(|frame| frame.step);
@@ -104,8 +106,9 @@ impl Plate {
             let x = mirror(self.model.positions[node as usize]);
             x.map(|x| (1e6 * x).round() as i64)
         };
-        let springs = self.model.springs.pairs().iter().zip(&frame.intact);
-        let broken = springs.filter(|(_, intact)| !**intact);
+        let springs = self.model.springs.pairs().iter();
+        let springs = springs.zip(frame.integrity.to_vec());
+        let broken = springs.filter(|(_, phi)| *phi == 0.0);
         let ends = broken.map(|(&[a, b], _)| {
             let (a, b) = (end(a), end(b));
             [a.min(b), a.max(b)]
@@ -128,7 +131,7 @@ impl Plate {
     /// Damage of every point at a step, with its position.
     fn damage(&self, step: usize) -> Vec<([f64; 2], f64)> {
         let points = &self.model.positions[self.model.fe_node_count()..];
-        let damage = damage(&self.model, &self.frames[step].intact);
+        let damage = damage(&self.model, &self.frames[step].integrity.to_vec());
         points.iter().copied().zip(damage).collect()
     }
 
@@ -243,11 +246,12 @@ fn one_crack_under_clip() {
         plate.assert_no_damage_beside_the_interfaces();
         let pairs = plate.model.springs.pairs().len();
         let last = &plate.frames[plate.last()];
-        assert!(last.intact.len() > pairs && last.intact[pairs..].iter().all(|intact| *intact));
+        let integrity = last.integrity.to_vec();
+        assert!(integrity.len() > pairs && integrity[pairs..].iter().all(|phi| *phi == 1.0));
         let first = plate
             .frames
             .iter()
-            .position(|f| f.intact != plate.frames[0].intact);
+            .position(|f| f.integrity != plate.frames[0].integrity);
         let peak = (0..plate.reactions.len())
             .max_by(|&a, &b| plate.reactions[a].total_cmp(&plate.reactions[b]))
             .expect("steps");
@@ -274,12 +278,10 @@ fn assert_a_lost_bond_is_noticed(mut plate: Plate) {
         .map(|(n, x)| (x.map(|x| (1e6 * x).round() as i64), n))
         .collect();
     assert_eq!(positions.len(), plate.model.node_count());
-    let bond = plate.frames[0]
-        .intact
-        .iter()
-        .position(|intact| *intact)
-        .expect("one");
-    plate.frames[0].intact[bond] = false;
+    let mut integrity = plate.frames[0].integrity.to_vec();
+    let bond = integrity.iter().position(|phi| *phi == 1.0);
+    integrity[bond.expect("one")] = 0.0;
+    plate.frames[0].integrity = SparseIntegrity::new(&integrity);
     assert_eq!(count(&plate), before + 1);
     let frame = &plate.frames[0];
     assert_ne!(plate.broken(frame, |x| x), plate.broken(frame, left_right));

@@ -44,7 +44,7 @@ fn a_uniform_stress_is_the_same_on_both_sides_of_the_interface() {
             .map(|[x, y]| [xx * x + xy * y, xy * x + yy * y])
             .collect();
         let elements = NodalFields::new(&model, &u);
-        let points = PointFields::new(&model, &u, &model.intact);
+        let points = PointFields::new(&model, &u, &model.integrity);
         assert_eq!(points.stress.len(), model.areas.len());
         let expected = elements.stress[0];
         let scale = expected.iter().fold(0.0f64, |a, s| a.max(s.abs()));
@@ -59,7 +59,7 @@ fn a_uniform_stress_is_the_same_on_both_sides_of_the_interface() {
                 assert!((found - expected).abs() < 1e-11 * xx, "{plane:?}");
             }
         }
-        let broken = vec![false; model.springs.len()];
+        let broken = vec![0.0; model.springs.len()];
         let none = PointFields::new(&model, &u, &broken);
         assert!(none.stress.iter().flatten().all(|s| *s == 0.0));
     }
@@ -119,7 +119,7 @@ fn what_is_pulled_uniformly_has_one_stress() {
             let solution = statics::solve(&model, &boundary, &mut Phases::default());
             let u = solution.expect("a solution").displacement;
             let elements = NodalFields::new(&model, &u).stress;
-            let points = PointFields::new(&model, &u, &model.intact).stress;
+            let points = PointFields::new(&model, &u, &model.integrity).stress;
             assert!(points.len() > 100, "{what}: {} points", points.len());
             let all = elements.iter().chain(&points);
             let error = |stress: &[f64; 4]| {
@@ -192,7 +192,7 @@ fn a_series_of_two_materials_has_one_stress() {
             boundary.press(&model, pulled, pull).expect("a side");
             let solution = statics::solve(&model, &boundary, &mut Phases::default());
             let u = solution.expect("a solution").displacement;
-            let stress = PointFields::new(&model, &u, &model.intact).stress;
+            let stress = PointFields::new(&model, &u, &model.integrity).stress;
             let mut rows = 0;
             for (x, mean) in row_means(&model, &stress, axis, axis) {
                 if (x - 0.06).abs() < 0.03 {
@@ -223,7 +223,7 @@ fn two_materials_side_by_side_have_one_strain() {
     boundary.prescribed.insert(2 * corner, held);
     let solution = statics::solve(&model, &boundary, &mut Phases::default());
     let u = solution.expect("a solution").displacement;
-    let stress = PointFields::new(&model, &u, &model.intact).stress;
+    let stress = PointFields::new(&model, &u, &model.integrity).stress;
     let columns = 48;
     let middle =
         (18 * columns..30 * columns).filter(|&i| (model.positions[i][0] - 0.06).abs() < 0.03);
@@ -250,7 +250,7 @@ fn the_traction_does_not_jump_at_an_inclusion() {
     boundary.press(&model, "right", pull).expect("a side");
     let solution = statics::solve(&model, &boundary, &mut Phases::default());
     let u = solution.expect("a solution").displacement;
-    let stress = PointFields::new(&model, &u, &model.intact).stress;
+    let stress = PointFields::new(&model, &u, &model.integrity).stress;
     // Along the middle, from the matrix through the inclusion's left side.
     let mut along: Vec<(f64, f64)> = (model.positions.iter().zip(&stress))
         .filter(|(x, _)| (x[1] - 0.06).abs() < 2e-3 && (x[0] - 0.04).abs() < 0.011)

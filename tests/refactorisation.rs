@@ -38,7 +38,7 @@ fn model(elements: bool) -> Model {
 /// A body that loses bonds.
 struct Body {
     model: Model,
-    intact: Vec<bool>,
+    integrity: Vec<f64>,
     held: Vec<bool>,
 }
 
@@ -47,7 +47,7 @@ impl Body {
         let held = (0..2 * model.node_count()).map(|dof| model.positions[dof / 2][0] < 0.03);
         Body {
             held: held.collect(),
-            intact: model.intact.clone(),
+            integrity: model.integrity.clone(),
             model,
         }
     }
@@ -67,13 +67,13 @@ impl Body {
             let x = 0.5 * (a[0] + b[0]);
             (a[1] - 0.5) * (b[1] - 0.5) < 0.0 && x > from && x < to
         };
-        let bonds: Vec<usize> = (0..model.bond_count).filter(crosses).collect();
+        let bonds: Vec<usize> = model.springs.bonds().filter(crosses).collect();
         assert!(bonds.len() > 20);
         self.lose(&bonds)
     }
 
     fn lose(&mut self, bonds: &[usize]) -> Vec<u32> {
-        bonds.iter().for_each(|&bond| self.intact[bond] = false);
+        bonds.iter().for_each(|&bond| self.integrity[bond] = 0.0);
         let nodes = bonds
             .iter()
             .flat_map(|&bond| self.model.springs.nodes(bond));
@@ -110,18 +110,18 @@ fn cholesky_has_the_bits_of_a_whole_factorisation() {
         (0..positions.len() as u32).filter(is_near).collect()
     };
     for likely in [near(0.95), near(0.4), Vec::new()] {
-        body.intact = body.model.intact.clone();
+        body.integrity = body.model.integrity.clone();
         body.held = Body::new(model(true)).held;
-        let intact = body.intact.clone();
-        let mut k = pattern.assemble_intact(&positions, &springs, |s| intact[s], &elements);
+        let integrity = body.integrity.clone();
+        let mut k = pattern.assemble_with(&positions, &springs, |s| integrity[s], &elements);
         let factor = own.factorise_held(&k, body.held(), &likely);
         let mut factor = factor.expect("it is held");
         for step in 0..10 {
             let x = 1.0 - 0.05 * step as f64;
             let mut nodes = body.tear(x - 0.05, x);
-            let is_intact = |s: usize| body.intact[s];
-            pattern.reassemble(&mut k, &nodes, &positions, &springs, is_intact, &elements);
-            let whole = pattern.assemble_intact(&positions, &springs, is_intact, &elements);
+            let integrity = |s: usize| body.integrity[s];
+            pattern.reassemble(&mut k, &nodes, &positions, &springs, integrity, &elements);
+            let whole = pattern.assemble_with(&positions, &springs, integrity, &elements);
             assert_eq!(k.val(), whole.val(), "step {step}");
             if step == 5 {
                 let node = nodes[nodes.len() / 2];
@@ -142,10 +142,10 @@ fn cholesky_has_the_bits_of_a_whole_factorisation() {
         // All bonds but one of a point at the rim.
         let last = positions.len() - 1;
         let ends_there = |&bond: &usize| springs.nodes(bond).contains(&(last as u32));
-        let bonds: Vec<usize> = (0..body.model.bond_count).filter(ends_there).collect();
+        let bonds: Vec<usize> = body.model.springs.bonds().filter(ends_there).collect();
         let nodes = body.lose(&bonds[1..]);
-        let is_intact = |s: usize| body.intact[s];
-        pattern.reassemble(&mut k, &nodes, &positions, &springs, is_intact, &elements);
+        let integrity = |s: usize| body.integrity[s];
+        pattern.reassemble(&mut k, &nodes, &positions, &springs, integrity, &elements);
         let dof = |error: SolverError| match error {
             SolverError::NotPositiveDefinite { dof } => dof,
             error => panic!("{error}"),

@@ -209,6 +209,22 @@ fn a_spoilt_checkpoint_begins_anew() {
     assert_same(&results(&place), &undisturbed(&[]), "a spoilt checkpoint");
 }
 
+/// Files of version 0.1 had no format before their content.
+#[test]
+fn a_checkpoint_of_version_0_1_is_refused_with_one_message() {
+    let place = Workplace::with_plate();
+    kill_after(&place, 40, &[]);
+    let path = "results/plate/.stamps/checkpoint.bin";
+    let bytes = place.read(path);
+    let content = bytes.strip_prefix(b"peristitch\x02").expect("the format");
+    place.write(path, content);
+    let ended = run(&place, &[]);
+    assert!(!ended.err.contains(GOES_ON), "{}", ended.err);
+    let refused = "checkpoint.bin is refused: peristitch 0.1 wrote it, or it is damaged";
+    assert_eq!(ended.err.matches(refused).count(), 1, "{}", ended.err);
+    assert_same(&results(&place), &undisturbed(&[]), "a checkpoint of 0.1");
+}
+
 #[test]
 fn clean_removes_what_a_killed_run_left() {
     let place = Workplace::with_plate();

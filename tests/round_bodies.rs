@@ -329,7 +329,7 @@ fn stress_within(inclusion: &Inclusion, method: Method) -> [f64; 2] {
                 .map(|(_, s)| [s[0], s[1]]),
         );
     } else {
-        let fields = PointFields::new(&model, &u, &model.intact);
+        let fields = PointFields::new(&model, &u, &model.integrity);
         let positions = model.positions[model.fe_node_count()..].iter();
         inside.extend(
             positions

@@ -101,10 +101,10 @@ impl Run {
         let mesh = extract.to_mesh(plan.geometry.unit_in_metres);
         let (model, _) = discretise(&plan, mesh.expect("a mesh")).expect("a model");
         let last = format!("frames/{:06}.bin", self.history.len());
-        let frame: Frame = postcard::from_bytes(&read(&last)).expect("a frame");
+        let frame: Frame = Frame::from_file(&read(&last)).expect("a frame");
         let springs = model.springs.pairs().iter();
-        let state = model.intact.iter().zip(&frame.intact);
-        let broken = springs.zip(state).filter(|(_, (was, is))| **was && !**is);
+        let state = model.integrity.iter().zip(frame.integrity.to_vec());
+        let broken = springs.zip(state).filter(|(_, (was, is))| **was > *is);
         broken
             .map(|(ends, _)| ends.map(|node| model.positions[node as usize]))
             .collect()

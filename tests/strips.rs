@@ -21,6 +21,7 @@
 //! half of that is the tolerance.
 
 use peristitch::geometry::Outline;
+use peristitch::interactions::Interactions;
 use peristitch::material::{Material, PlaneState};
 use peristitch::peridynamics::bonds::bonds;
 use peristitch::peridynamics::isotropy::lattice_moduli;
@@ -28,7 +29,6 @@ use peristitch::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, Lattice, LatticeSettings, Placement, lattice};
 use peristitch::peridynamics::surface::{Surface, SurfaceCorrection};
 use peristitch::peridynamics::visibility::Visibility;
-use peristitch::springs::Springs;
 use peristitch::verification::strips::energy_ratios;
 
 const DX: f64 = 2.5e-3;
@@ -71,7 +71,7 @@ fn corrected(
     region: &Outline,
     body: &Outline,
     micromodulus: &Micromodulus,
-) -> (Lattice, Springs) {
+) -> (Lattice, Interactions) {
     let points = lattice(region, &[], &CELLS);
     let visibility = Visibility::new(body, DX, micromodulus.reach());
     let mut bonds = bonds(&points, micromodulus, THICKNESS, 7, &visibility);
@@ -80,7 +80,7 @@ fn corrected(
     surface.correct(&mut bonds, &points.positions, 7);
     let pairs = bonds.pairs().iter();
     let pairs = pairs.map(|pair| pair.map(|node| node - 7)).collect();
-    let bonds = Springs::of_pairs(pairs, bonds.stiffness);
+    let bonds = Interactions::of_bonds(pairs, bonds.stiffness);
     (points, bonds)
 }
 

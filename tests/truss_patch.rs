@@ -156,7 +156,7 @@ fn areas_by_half_edges_sum_to_the_interface_times_the_spacing() {
         let model = Model::build(mesh, regions, settings).expect("a sound model");
         let micromodulus = &model.points[0].micromodulus;
         let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
-        for truss in (0..model.springs.len()).filter(|&spring| model.is_truss(spring)) {
+        for truss in model.springs.trusses() {
             let [a, b] = model.springs.segment(truss, &model.positions);
             let along = [b[0] - a[0], b[1] - a[1]];
             let unit = micromodulus.axial_stiffness(along, [1.0, DX * DX], 0.7);

@@ -13,9 +13,10 @@ use peristitch::coupling::Coupling;
 use peristitch::coupling::truss::NodeArea;
 use peristitch::cracks::Cracks;
 use peristitch::fracture::control::{self, Control, Problem, Resolution, Until};
-use peristitch::fracture::failure::{CriticalStretch, Strength};
+use peristitch::fracture::laws::brittle::Brittle;
+use peristitch::fracture::laws::{BondLaws, Strength};
 use peristitch::fracture::programme::Programme;
-use peristitch::fracture::state::{Limits, State};
+use peristitch::fracture::state::State;
 use peristitch::linear_solver;
 use peristitch::material::PlaneState;
 use peristitch::mesh::{CellKind, Edge, Mesh};
@@ -181,7 +182,7 @@ fn a_solution_is_its_own_guess() {
     let solver = Solver::with_method(&model, &boundary, method, &mut phases).expect("a structure");
     let mut mechanisms = Default::default();
     let factorised = solver
-        .factorise_broken(&model.intact, &[], &mut mechanisms, &mut phases)
+        .factorise_broken(&model.integrity, &[], &mut mechanisms, &mut phases)
         .expect("no mechanism");
     let mut solve = |guess: Option<&[[f64; 2]]>| {
         let solution = solver.solve_with(&factorised, &boundary, guess, &mechanisms, &mut phases);
@@ -210,10 +211,15 @@ fn a_part_that_floats_is_found() {
     let bottom = boundary.displace(&model, "bottom", [Some(0.0), Some(1e-6)]);
     bottom.expect("a grip");
     let is_upper = |node: u32| model.positions[node as usize][1] > 0.07;
-    let intact: Vec<bool> = (0..model.springs.len())
+    let integrity: Vec<f64> = (0..model.springs.len())
         .map(|s| {
             let nodes = model.springs.nodes(s);
-            nodes.iter().all(|&n| is_upper(n)) || !nodes.iter().any(|&n| is_upper(n))
+            let upper = nodes.iter().filter(|&&n| is_upper(n)).count();
+            if upper == 0 || upper == nodes.len() {
+                1.0
+            } else {
+                0.0
+            }
         })
         .collect();
     let upper: Vec<usize> = (0..model.node_count())
@@ -224,13 +230,13 @@ fn a_part_that_floats_is_found() {
         let solver = Solver::with_method(&model, &boundary, Some(method), &mut phases);
         let solver = solver.expect("a structure");
         if method == linear_solver::Method::TwoLevel {
-            let floating = solver.solve(&intact, &[], &mut phases);
+            let floating = solver.solve(&integrity, &[], &mut phases);
             let Err(StaticsError::Mechanism { y, .. }) = floating else {
                 panic!("no mechanism was found");
             };
             assert!(y > 0.07);
         }
-        let held = solver.solve(&intact, std::slice::from_ref(&upper), &mut phases);
+        let held = solver.solve(&integrity, std::slice::from_ref(&upper), &mut phases);
         let held = held.expect("a solution");
         assert!(
             upper
@@ -264,11 +270,8 @@ fn assert_same_sequence(model: &Model, boundary: Boundary) {
         tensile: 2e6,
         compressive: Some(20e6),
     };
-    let limit = CriticalStretch::new(strength, steel().young, &model.points[0].micromodulus);
-    let limits = Limits {
-        table: vec![limit],
-        class: vec![0; model.springs.len()],
-    };
+    let law = Brittle::new(strength, steel().young, &model.points[0].micromodulus);
+    let laws = BondLaws::brittle(vec![law.limits], vec![0; model.springs.len()]);
     let programme = Programme::proportional(boundary);
     for control in [Control::OnePass, Control::EventDriven] {
         let (steps, least) = match control {
@@ -279,7 +282,7 @@ fn assert_same_sequence(model: &Model, boundary: Boundary) {
             let problem = Problem {
                 model,
                 programme: &programme,
-                limits: &limits,
+                laws: &laws,
                 control,
                 until: Until {
                     steps,
@@ -295,7 +298,7 @@ fn assert_same_sequence(model: &Model, boundary: Boundary) {
             };
             control::run(&problem, &mut state, &mut phases, observe).expect("no error");
             assert!(state.stopped.is_none());
-            (state.broken, state.load.factor, state.energy)
+            (state.broken(), state.load.factor, state.energy)
         };
         let (expected, load, energy) = broken(Resolution::Fast);
         let (found, other_load, other_energy) = broken(Resolution::TwoLevel);

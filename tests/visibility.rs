@@ -323,7 +323,7 @@ fn no_coupling_reaches_across_a_notch() {
                 beside += 1;
             }
             assert!(beside > 100, "{name} {beside}");
-            let damage = peristitch::fracture::state::damage(&model, &model.intact);
+            let damage = peristitch::fields::damage::damage(&model, &model.integrity);
             assert!(damage.iter().all(|d| d.abs() < 1e-12), "{name}");
         }
     }

@@ -1,7 +1,7 @@
 //! What a node's neighbours, bonds, trusses and elements add to its two columns of K.
 
 use super::ElementStiffness;
-use crate::springs::Springs;
+use crate::interactions::Interactions;
 
 /// xx, xy and yy of k n⊗n.
 pub fn pair_block([a, b]: [u32; 2], stiffness: f64, positions: &[[f64; 2]]) -> [f64; 3] {
@@ -90,15 +90,21 @@ impl<'a> Column<'a> {
         self.values[2 + 2 * self.neighbours.len()] += yy;
     }
 
-    /// K = k w wᵀ.
-    pub fn add_spring(&mut self, springs: &Springs, spring: usize, positions: &[[f64; 2]]) {
+    /// K = φ k w wᵀ.
+    pub fn add_spring(
+        &mut self,
+        springs: &Interactions,
+        spring: usize,
+        integrity: f64,
+        positions: &[[f64; 2]],
+    ) {
         let mut own = [0.0; 2];
         springs.for_each_term(spring, positions, |node, w| {
             if node == self.node {
                 own = w;
             }
         });
-        let stiffness = springs.stiffness[spring];
+        let stiffness = integrity * springs.stiffness[spring];
         springs.for_each_term(spring, positions, |node, w| {
             self.add_block(
                 node,

@@ -36,13 +36,13 @@ pub mod stencil;
 pub mod strip;
 
 use crate::geometry::Outline;
+use crate::interactions::Interactions;
 use crate::peridynamics::axes::Axes;
 use crate::peridynamics::bonds::family_offsets;
 use crate::peridynamics::kernel::Micromodulus;
 use crate::peridynamics::point_index::PointIndex;
 use crate::peridynamics::surface::Surface;
 use crate::peridynamics::visibility::Visibility;
-use crate::springs::Springs;
 use chain::Line;
 use rayon::prelude::*;
 use side::{Frame, Side};
@@ -81,7 +81,7 @@ pub struct Region<'a> {
 /// What the coupling adds and what it takes away.
 #[derive(Clone, Debug, Default)]
 pub struct Clip {
-    pub springs: Springs,
+    pub springs: Interactions,
     /// ξ of the bond that each spring is a part of [m].
     pub bond_lengths: Vec<f64>,
     /// What the springs are of the points' families.

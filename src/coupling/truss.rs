@@ -5,11 +5,11 @@
 //! does not say what the node's area A_FE is: [`NodeArea`] are the readings. None passes a patch test:
 //! the trusses of a node fill half a disc only.
 
+use crate::interactions::Interactions;
 use crate::mesh::Edge;
 use crate::peridynamics::bonds::Bins;
 use crate::peridynamics::kernel::Micromodulus;
 use crate::peridynamics::visibility::Visibility;
-use crate::springs::Springs;
 
 /// The area A_FE of an interface node.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,10 +53,10 @@ pub fn trusses(
     thickness: f64,
     first_node: u32,
     visibility: &Visibility,
-) -> Springs {
+) -> Interactions {
     let reach = micromodulus.reach();
     let bins = Bins::new(points, reach);
-    let mut trusses = Springs::default();
+    let mut trusses = Interactions::default();
     for end in interface {
         let mut family = Vec::new();
         let view = visibility.from(end.position);
@@ -70,7 +70,7 @@ pub fn trusses(
         family.sort_unstable_by_key(|&(j, _)| j);
         for (j, along) in family {
             let areas = [end.area, areas[j as usize]];
-            trusses.push(
+            trusses.push_truss(
                 [end.node, first_node + j],
                 micromodulus.axial_stiffness(along, areas, thickness),
             );

@@ -13,7 +13,7 @@
 //! q = (n_x², n_y², n_x n_y) and k* the stiffness of the bond if all of it were the point's material,
 //!
 //! ```text
-//! (Σ k* ξ ℓ q qᵀ) ε_f = Σ_intact k ξ s ℓ q
+//! (Σ k* ξ ℓ q qᵀ) ε_f = Σ φ k ξ s ℓ q
 //! ```
 //!
 //! makes it a strain that is exact at a free side too. From both, along the joint's tangent t and normal n,
@@ -34,7 +34,7 @@ struct JointPoint {
     normal: [f64; 2],
     /// Σ k* ξ ℓ q qᵀ [N m].
     family: Matrix3<f64>,
-    /// Σ k ξ s ℓ q over intact bonds [N m].
+    /// Σ φ k ξ s ℓ q [N m].
     carried: Vector3<f64>,
 }
 
@@ -46,7 +46,7 @@ const SURROUNDED: f64 = 1e-3;
 pub(super) fn correct(
     model: &Model,
     displacement: &[[f64; 2]],
-    intact: &[bool],
+    integrity: &[f64],
     strains: &mut [Vector3<f64>],
 ) {
     let mixed = model.points.iter().filter(|points| {
@@ -64,7 +64,7 @@ pub(super) fn correct(
     for (place, point) in joint_points.iter().enumerate() {
         place_of[point.node - first] = Some(place);
     }
-    for spring in (0..model.springs.len()).filter(|&s| !model.is_truss(s)) {
+    for spring in model.springs.bonds().chain(model.springs.clipped_bonds()) {
         let mut nodes = model.springs.nodes(spring).iter();
         let lattice = nodes.find_map(|&node| {
             let is_in = |points: &&&PointRegion| points.nodes.contains(&(node as usize));
@@ -76,7 +76,8 @@ pub(super) fn correct(
         let (xi, [nx, ny]) = model.springs.axis(spring, &model.positions);
         let q = Vector3::new(nx * nx, ny * ny, nx * ny);
         let weight = model.springs.stiffness[spring] * xi * xi;
-        let stretch = match intact[spring] {
+        let phi = integrity[spring];
+        let stretch = match phi > 0.0 {
             true => (model.springs).stretch(spring, &model.positions, displacement),
             false => 0.0,
         };
@@ -86,7 +87,7 @@ pub(super) fn correct(
                 let point = &mut joint_points[place];
                 let own = model.material_of_point(node).young / young;
                 point.family += own * weight * share * q * q.transpose();
-                point.carried += weight * share * stretch * q;
+                point.carried += phi * weight * share * stretch * q;
             }
         });
     }
@@ -107,7 +108,7 @@ fn joint_points(model: &Model) -> Vec<JointPoint> {
     let first = model.fe_node_count();
     // Sum of the vectors to neighbours of another material, and of their lengths, by k.
     let mut sums = vec![([0.0; 2], 0.0); model.areas.len()];
-    for (bond, pair) in model.springs.pairs()[..model.bond_count].iter().enumerate() {
+    for (bond, pair) in model.springs.bonds().zip(model.springs.pairs()) {
         let ends = pair.map(|node| node as usize);
         let [a, b] = ends.map(|node| model.material_of_point(node).young);
         if a == b {

@@ -5,14 +5,14 @@
 //! the other side,
 //!
 //! ```text
-//! (Σ_family k ξ² q qᵀ) ε = Σ_intact k ξ² s q,   σ = D ε
+//! (Σ_family k ξ² q qᵀ) ε = Σ_family φ k ξ² s q,   σ = D ε
 //! ```
 //!
 //! a uniform strain comes back exactly, from whatever family: also where it is cut by a free surface or
-//! an interface. Broken bonds carry nothing, so that σ fades with damage.
+//! an interface. A bond carries φ k ξ s, so that σ fades with damage.
 
 use super::{joints, strain_tensor, stress_tensor};
-use crate::model::Model;
+use crate::model::{FamilyMember, Model};
 use nalgebra::{Matrix3, Vector3};
 
 /// Strain and stress of every material point; zero where a family has bonds in fewer than three
@@ -30,25 +30,24 @@ pub struct PointFields {
 const FLAT: f64 = 1e-6;
 
 impl PointFields {
-    pub fn new(model: &Model, displacement: &[[f64; 2]], intact: &[bool]) -> PointFields {
+    pub fn new(model: &Model, displacement: &[[f64; 2]], integrity: &[f64]) -> PointFields {
         let first = model.fe_node_count();
         let mut family = vec![Matrix3::zeros(); model.areas.len()];
         let mut carried = vec![Vector3::zeros(); model.areas.len()];
-        let pairs = model.springs.pairs();
-        let bonds = pairs[..model.bond_count].iter().enumerate();
-        let ends = bonds.flat_map(|(bond, pair)| pair.map(|node| (bond, node)));
-        let of_clip = model.clipped.iter();
-        let clipped = of_clip.map(|c| (pairs.len() + c.spring as usize, c.point));
-        for (bond, node) in ends.chain(clipped) {
-            let (xi, [nx, ny]) = model.springs.axis(bond, &model.positions);
+        for FamilyMember {
+            interaction, point, ..
+        } in model.families()
+        {
+            let (xi, [nx, ny]) = model.springs.axis(interaction, &model.positions);
             let q = Vector3::new(nx * nx, ny * ny, nx * ny);
-            let weight = model.springs.stiffness[bond] * xi * xi;
-            let stretch = match intact[bond] {
-                true => model.springs.stretch(bond, &model.positions, displacement),
+            let weight = model.springs.stiffness[interaction] * xi * xi;
+            let phi = integrity[interaction];
+            let stretch = match phi > 0.0 {
+                true => (model.springs).stretch(interaction, &model.positions, displacement),
                 false => 0.0,
             };
-            family[node as usize - first] += weight * q * q.transpose();
-            carried[node as usize - first] += weight * stretch * q;
+            family[point] += weight * q * q.transpose();
+            carried[point] += phi * weight * stretch * q;
         }
         let mut fields = PointFields::default();
         let plane = model.settings.plane;
@@ -56,7 +55,7 @@ impl PointFields {
             strain_of_family(family, carried).unwrap_or_else(Vector3::zeros)
         });
         let mut strains: Vec<Vector3<f64>> = strains.collect();
-        joints::correct(model, displacement, intact, &mut strains);
+        joints::correct(model, displacement, integrity, &mut strains);
         for (point, strain) in strains.iter().enumerate() {
             let material = model.material_of_point(first + point);
             fields.strain.push(strain_tensor(strain, material, plane));

@@ -23,13 +23,14 @@
 //! outside is not followed. Events behind a look that fails are dropped. A zone that cannot tell even its
 //! first event leaves it to the whole model.
 
-use super::control::{Problem, TIE};
 use super::corridor;
-use super::event::{Bounds, Event, Load, is_at_limit};
-use super::failure::CriticalStretch;
+use super::event::{Bounds, Event, Load, TIE, is_at_limit};
 use super::functional::{Values, fields};
 use super::gone::{self, Earlier, Gone};
-use super::response::{Solutions, nan_max};
+use super::laws::StretchLimits;
+use super::lost::Loss;
+use super::problem::Problem;
+use super::solutions::{Solutions, nan_max};
 use super::state::State;
 use super::zone::{Front, Zone};
 use crate::statics::{Factorised, Solution};
@@ -58,8 +59,9 @@ pub struct Moment {
     /// How many springs have gone before it.
     gone: usize,
     pub load: Load,
-    /// The bonds that break, ascending.
+    /// The bonds that change, ascending, and their integrity φ after it [-].
     pub bonds: Vec<usize>,
+    integrity: Vec<f64>,
     /// Their stretches before and after, under what is held and per unit of λ.
     before: Vec<[f64; 2]>,
     after: Vec<[f64; 2]>,
@@ -69,7 +71,7 @@ pub struct Moment {
 pub struct Ahead {
     factorised: Factorised,
     /// The springs that go, in that order.
-    order: Vec<usize>,
+    order: Vec<Loss>,
     /// The dofs that those touch which were gone when the last zone began, in that order.
     touched: Vec<usize>,
     zones: Vec<Crossing>,
@@ -136,7 +138,7 @@ pub fn look_ahead(
         phase: state.phase,
         load: state.load,
         left: problem.until.steps - state.step,
-        intact: state.intact.clone(),
+        integrity: state.integrity.clone(),
         fields: fields(functionals, &factorised, factorised.dofs()),
         base,
         gone: Gone::default(),
@@ -240,7 +242,7 @@ struct Scout<'a> {
     load: Load,
     /// Events that the run may still take.
     left: usize,
-    intact: Vec<bool>,
+    integrity: Vec<f64>,
     /// v of the functionals when K was factorised.
     fields: Vec<Vec<f64>>,
     base: &'a Solutions,
@@ -257,7 +259,7 @@ struct Crossing {
     moments: Vec<Moment>,
     /// u_held and u_unit on the zone behind each event.
     ends: Vec<[Vec<f64>; 2]>,
-    order: Vec<usize>,
+    order: Vec<Loss>,
 }
 
 impl Scout<'_> {
@@ -270,14 +272,16 @@ impl Scout<'_> {
             load,
         } = here;
         let problem = self.problem;
-        let nodes = corridor::nodes(problem, &self.intact, &solutions, load, costs.dofs / 2);
-        let zone = Zone::new(problem, &self.intact, &nodes);
+        let nodes = corridor::nodes(problem, &self.integrity, &solutions, load, costs.dofs / 2);
+        let zone = Zone::new(problem, &self.integrity, &nodes);
         let (start, earlier) = (self.gone).start(&self.ahead.factorised, &zone, self.base)?;
         let on_zone = self.fields.iter();
         let on_zone = on_zone
             .map(|v| earlier.field(self.gone.dofs(), &zone, v))
             .collect();
         let mut front = Front::new(
+            problem,
+            &self.integrity,
             &zone,
             start.compliance(&earlier),
             &solutions,
@@ -335,7 +339,7 @@ impl Scout<'_> {
             };
             let at_rim = zone.at_rim.iter();
             let nearest = at_rim
-                .map(|&k| zone.limit(k).utilisation(load.combine(stretches[k])))
+                .map(|&k| front.limits[k].utilisation(load.combine(stretches[k])))
                 .fold(0.0, nan_max);
             if crossing.moments.is_empty() {
                 rim = f64::max(RIM, 0.5 * (nearest + MARGIN));
@@ -350,12 +354,22 @@ impl Scout<'_> {
             if !is_far {
                 return true;
             }
-            let is_due = |&k: &usize| is_at_limit(stretches[k], zone.limit(k), load, TIE);
+            let is_due = |&k: &usize| is_at_limit(stretches[k], front.limits[k], load, TIE);
             let due: Vec<usize> = (0..stretches.len()).filter(is_due).collect();
             let values = front.values.clone();
             let bonds: Vec<usize> = due.iter().map(|&k| zone.springs[k]).collect();
-            if !bonds.iter().all(|&bond| front.release(zone, bond)) {
-                return false;
+            let next = |&k: &usize| {
+                let stretch = load.combine(stretches[k]);
+                let laws = &self.problem.laws;
+                laws.next(zone.springs[k], front.integrity[k], stretch)
+            };
+            let integrity: Vec<f64> = due.iter().map(next).collect();
+            let mut losses = Vec::new();
+            for (&k, &phi) in due.iter().zip(&integrity) {
+                let Some(loss) = front.change(self.problem, zone, k, phi) else {
+                    return false;
+                };
+                losses.push(loss);
             }
             crossing.moments.push(Moment {
                 values,
@@ -366,9 +380,10 @@ impl Scout<'_> {
                     .iter()
                     .map(|&k| zone.stretches(k, &front.displacement))
                     .collect(),
-                bonds: bonds.clone(),
+                bonds,
+                integrity,
             });
-            crossing.order.extend(bonds);
+            crossing.order.extend(losses);
             crossing.ends.push(front.displacement.clone());
             last = load;
         }
@@ -454,7 +469,7 @@ impl Scout<'_> {
     /// must be a solution.
     fn is_sound(&self, crossing: &Crossing, ends: [&Solutions; 2], count: usize) -> bool {
         let loads: Vec<Load> = crossing.moments[..count].iter().map(|m| m.load).collect();
-        let mut is_outside = self.intact.clone();
+        let mut is_outside: Vec<bool> = self.integrity.iter().map(|&phi| phi > 0.0).collect();
         for &spring in &crossing.zone.springs {
             is_outside[spring] = false;
         }
@@ -484,7 +499,7 @@ impl Scout<'_> {
         };
         let shares = range(|load| load.share);
         let factors = range(|load| load.share * load.factor);
-        let of_stretches = |limit: CriticalStretch, [held, unit]: [f64; 2]| {
+        let of_stretches = |limit: StretchLimits, [held, unit]: [f64; 2]| {
             let corners = shares
                 .iter()
                 .flat_map(|a| factors.iter().map(move |b| (a, b)));
@@ -493,7 +508,7 @@ impl Scout<'_> {
                 .fold(0.0, nan_max)
         };
         let largest = |spring: usize| {
-            let limit = self.problem.limits.of(spring);
+            let limit = self.problem.laws.limits(spring, self.integrity[spring]);
             let stretches = responses.iter();
             stretches
                 .map(|u| of_stretches(limit, u.rough_stretches(self.problem, spring)))
@@ -503,8 +518,10 @@ impl Scout<'_> {
     }
 
     fn accept(&mut self, crossing: &Crossing, residual: f64) {
-        for &spring in &crossing.order {
-            self.intact[spring] = false;
+        for moment in &crossing.moments {
+            for (&bond, &phi) in moment.bonds.iter().zip(&moment.integrity) {
+                self.integrity[bond] = phi;
+            }
         }
         self.left -= crossing.moments.len();
         self.load = crossing.moments.last().expect("an event").load;
@@ -518,12 +535,16 @@ impl Scout<'_> {
             return None;
         }
         let last = self.load.factor;
-        let bounds = (0..self.intact.len())
+        let bounds = (0..self.integrity.len())
             .into_par_iter()
-            .filter(|&s| self.intact[s])
+            .filter(|&s| self.integrity[s] > 0.0)
             .map(|s| {
                 let stretches = solutions.rough_stretches(self.problem, s);
-                Bounds::of(stretches, self.problem.limits.of(s), last)
+                Bounds::of(
+                    stretches,
+                    self.problem.laws.limits(s, self.integrity[s]),
+                    last,
+                )
             })
             .reduce(|| Bounds::NONE, Bounds::and);
         let end = self.problem.programme.phases[self.phase].end;

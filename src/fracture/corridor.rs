@@ -4,9 +4,9 @@
 //! so that the zone of a tip is what is strained now, the families of what is close to its limit, and a strip
 //! along that way. Where nothing has broken nearby, it is a disc.
 
-use super::control::Problem;
 use super::event::Load;
-use super::response::Solutions;
+use super::problem::Problem;
+use super::solutions::Solutions;
 use rayon::prelude::*;
 
 /// Nodes with a bond at this share of its limit belong to a zone.
@@ -38,7 +38,7 @@ struct Tip {
 /// `count` nodes, or up to [`MOST`] times as many, ascending. `load` breaks the next bond.
 pub fn nodes(
     problem: &Problem,
-    intact: &[bool],
+    integrity: &[f64],
     solutions: &Solutions,
     load: Load,
     count: usize,
@@ -46,16 +46,16 @@ pub fn nodes(
     let model = problem.model;
     let strained: Vec<(usize, f64)> = (0..model.springs.len())
         .into_par_iter()
-        .filter(|&s| intact[s])
+        .filter(|&s| integrity[s] > 0.0)
         .map(|s| {
             let stretch = load.combine(solutions.rough_stretches(problem, s));
-            (s, problem.limits.of(s).utilisation(stretch))
+            (s, problem.laws.limits(s, integrity[s]).utilisation(stretch))
         })
         .filter(|&(_, utilisation)| utilisation > STRAINED)
         .collect();
     let length = |&(s, _): &(usize, f64)| model.springs.length(s, &model.positions);
     let horizon = strained.iter().map(length).fold(0.0, f64::max);
-    let tips = tips(problem, intact, &strained, horizon);
+    let tips = tips(problem, integrity, &strained, horizon);
     // How far along a strip of the half-width a node stands; a disc fills as fast. What lies beside a strip
     // is taken when that comes to its end.
     let beside = 1e6 * horizon;
@@ -120,7 +120,7 @@ fn mean(places: &[[f64; 2]]) -> [f64; 2] {
     [0, 1].map(|k| places.iter().map(|p| p[k]).sum::<f64>() / places.len() as f64)
 }
 
-fn tips(problem: &Problem, intact: &[bool], strained: &[(usize, f64)], horizon: f64) -> Vec<Tip> {
+fn tips(problem: &Problem, integrity: &[f64], strained: &[(usize, f64)], horizon: f64) -> Vec<Tip> {
     let mut by_strain: Vec<(usize, f64)> = strained.to_vec();
     by_strain.retain(|&(_, utilisation)| utilisation > TIP);
     by_strain.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
@@ -135,7 +135,7 @@ fn tips(problem: &Problem, intact: &[bool], strained: &[(usize, f64)], horizon: 
     }
     let places: Vec<[f64; 2]> = clusters.iter().map(|c| mean(c)).collect();
     let mut wakes = vec![Vec::new(); places.len()];
-    for spring in (0..intact.len()).filter(|&s| !intact[s]) {
+    for spring in (0..integrity.len()).filter(|&s| integrity[s] == 0.0) {
         let broken = middle(problem, spring);
         for (wake, &place) in wakes.iter_mut().zip(&places) {
             if distance(broken, place) < WAKE * horizon {

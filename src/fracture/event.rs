@@ -6,7 +6,11 @@
 //!
 //! so that every limit of a bond bounds λ from one side.
 
-use super::failure::CriticalStretch;
+use super::laws::StretchLimits;
+
+/// Bonds within this relative distance of the first one break with it: ties by symmetry differ by
+/// rounding errors only, and none is decided by an index.
+pub const TIE: f64 = 1e-3;
 
 /// A point in the space of loads.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +63,7 @@ impl Bounds {
     };
 
     /// Of one bond, with its stretches under what is held and per unit of λ; λ is `last` now.
-    pub fn of([held, unit]: [f64; 2], limit: CriticalStretch, last: f64) -> Bounds {
+    pub fn of([held, unit]: [f64; 2], limit: StretchLimits, last: f64) -> Bounds {
         let now = held + last * unit;
         let excess = match limit.is_exceeded(now) {
             true => limit.utilisation(now),
@@ -118,7 +122,7 @@ impl Bounds {
 }
 
 /// Whether a bond is at its limit, or within the share `tie` of it and bound to reach it.
-pub fn is_at_limit(stretches: [f64; 2], limit: CriticalStretch, load: Load, tie: f64) -> bool {
+pub fn is_at_limit(stretches: [f64; 2], limit: StretchLimits, load: Load, tie: f64) -> bool {
     let stretch = load.combine(stretches);
     let outwards = load.share < 1.0 || stretch * stretches[1] > 0.0;
     let nearly = stretch * (1.0 + tie);
@@ -129,7 +133,7 @@ pub fn is_at_limit(stretches: [f64; 2], limit: CriticalStretch, load: Load, tie:
 mod tests {
     use super::*;
 
-    const LIMIT: CriticalStretch = CriticalStretch {
+    const LIMIT: StretchLimits = StretchLimits {
         tension: 2.0,
         compression: 10.0,
     };

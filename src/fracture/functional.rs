@@ -11,7 +11,7 @@
 //! displacements −g (Betti).
 
 use super::event::Load;
-use super::programme::Programme;
+use crate::boundary::Boundary;
 use crate::model::node_axes::direction;
 use crate::statics::{Factorised, Solution};
 use std::collections::BTreeMap;
@@ -69,13 +69,14 @@ pub fn fields(list: &[Functional], factorised: &Factorised, dofs: usize) -> Vec<
     all.chunks_exact(dofs).map(<[f64]>::to_vec).collect()
 }
 
-/// The functionals of a programme: for every phase Q and W with its prescribed displacements and its
-/// loads as g, then the two resultants on every group that prescribes displacements.
-pub(super) fn of_programme(programme: &Programme) -> Vec<Functional> {
+/// The functionals of the phases with these boundaries: for every phase Q and W with its prescribed
+/// displacements and its loads as g, then the two resultants on every group that prescribes displacements.
+pub(super) fn of_phases(boundaries: &[&Boundary]) -> Vec<Functional> {
+    let supports = boundaries[0];
     let mut list = Vec::new();
-    for phase in &programme.phases {
-        let prescribed = phase.boundary.prescribed.iter();
-        let loads = phase.boundary.own_load().into_iter().enumerate();
+    for boundary in boundaries {
+        let prescribed = boundary.prescribed.iter();
+        let loads = boundary.own_load().into_iter().enumerate();
         list.push(Functional {
             of_reactions: true,
             weights: nonzero(prescribed.map(|(&dof, (value, _))| (dof, *value))),
@@ -86,8 +87,8 @@ pub(super) fn of_programme(programme: &Programme) -> Vec<Functional> {
         });
     }
     let mut groups: BTreeMap<&str, [Vec<(usize, f64)>; 2]> = BTreeMap::new();
-    for (&dof, (_, group)) in &programme.supports().prescribed {
-        let direction = direction(&programme.supports().node_axes, dof);
+    for (&dof, (_, group)) in &supports.prescribed {
+        let direction = direction(&supports.node_axes, dof);
         let lists = groups.entry(group).or_default();
         for (list, g) in lists.iter_mut().zip(direction) {
             if g != 0.0 {

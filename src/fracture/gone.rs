@@ -12,10 +12,10 @@
 //! to zone.
 
 use super::compliance::Compliance;
-use super::control::Problem;
 use super::dense::Lu;
-use super::lost::{self, Spring};
-use super::response::Solutions;
+use super::lost::{self, Loss, Spring, pairs};
+use super::problem::Problem;
+use super::solutions::Solutions;
 use super::zone::Zone;
 use crate::boundary::Boundary;
 use crate::linear_solver::columns::{add, slice, slice_mut, symmetric};
@@ -144,12 +144,12 @@ impl Gone {
     }
 
     /// Leaves a zone, where some bonds have gone.
-    pub fn lose(&mut self, problem: &Problem, zone: &Zone, start: Start, bonds: &[usize]) {
+    pub fn lose(&mut self, problem: &Problem, zone: &Zone, start: Start, losses: &[Loss]) {
         let model = problem.model;
         let (known, mut new) = (self.dofs.len(), Vec::new());
-        for &bond in bonds {
+        for &loss in losses {
             let mut terms = Vec::new();
-            model.for_each_term(bond, |node, w| {
+            model.for_each_term(loss.interaction, |node, w| {
                 for (axis, w) in w.into_iter().enumerate() {
                     let dof = 2 * node as usize + axis;
                     let next = self.dofs.len();
@@ -161,8 +161,10 @@ impl Gone {
                     terms.push((place, w));
                 }
             });
-            let stiffness = model.springs.stiffness[bond];
-            self.springs.push(Spring { stiffness, terms });
+            self.springs.push(Spring {
+                stiffness: loss.stiffness,
+                terms,
+            });
         }
         self.loads.append(&start.compliance.loads, &new);
         let size = self.dofs.len();
@@ -190,13 +192,13 @@ pub fn respond(
     factorised: &Factorised,
     base: &Solutions,
     [held, unit]: [Vec<f64>; 2],
-    gone: &[usize],
+    losses: &[Loss],
 ) -> Solutions {
     let (model, programme) = (problem.model, problem.programme);
     let after = |mut change: Vec<f64>, case: &Boundary, before: &Solution| {
         factorised.respond(&mut change);
         let case = (case, factorised.scale(case));
-        factorised.without(model, case, before, &change, gone)
+        factorised.without(model, case, before, &change, pairs(losses))
     };
     let before = (base.held.as_ref()).zip(programme.held(phase));
     Solutions {

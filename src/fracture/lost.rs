@@ -7,6 +7,18 @@ use rayon::prelude::*;
 /// Rows that one thread takes at a time: pieces of columns that stay in the cache.
 const ROWS: usize = 256;
 
+/// Stiffness that an interaction has lost since a factorisation: (φ − φ') k [N/m].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Loss {
+    pub interaction: usize,
+    pub stiffness: f64,
+}
+
+/// Interactions, and the stiffness that each has lost [N/m].
+pub fn pairs(losses: &[Loss]) -> impl Iterator<Item = (usize, f64)> {
+    losses.iter().map(|loss| (loss.interaction, loss.stiffness))
+}
+
 /// By places among the touched dofs.
 pub struct Spring {
     pub stiffness: f64,

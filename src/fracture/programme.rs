@@ -36,12 +36,11 @@ pub struct Programme {
 
 impl Programme {
     pub fn new(phases: Vec<LoadPhase>) -> Programme {
-        let mut programme = Programme {
+        let boundaries: Vec<&Boundary> = phases.iter().map(|phase| &phase.boundary).collect();
+        Programme {
+            functionals: functional::of_phases(&boundaries),
             phases,
-            functionals: Vec::new(),
-        };
-        programme.functionals = functional::of_programme(&programme);
-        programme
+        }
     }
 
     /// One phase without an end, in load steps of Δλ = 1.

@@ -15,13 +15,13 @@
 //! settled to.
 
 use super::active_zone::{Ahead, look_ahead};
-use super::control::{Control, Problem, Resolution, TIE};
-use super::event::{Bounds, Event, Load, is_at_limit};
+use super::event::{Bounds, Event, Load, TIE, is_at_limit};
 use super::functional::Values;
+use super::problem::{Control, Problem, Resolution};
+use super::solutions::{Solutions, nan_max};
 use super::state::State;
 use super::update::Update;
 use crate::boundary::Boundary;
-use crate::model::Model;
 use crate::phases::Phases;
 use crate::statics::{Factorised, Solution, Solver, StaticsError};
 use rayon::prelude::*;
@@ -29,65 +29,6 @@ use std::time::Instant;
 
 /// A bond at this share of its limit may break soon.
 const NEAR: f64 = 0.8;
-
-/// u_held and u_unit of all nodes.
-#[derive(Clone)]
-pub struct Solutions {
-    pub held: Option<Solution>,
-    pub unit: Solution,
-}
-
-impl Solutions {
-    /// Displacement [m] and, where one is prescribed, reaction [N] of a node.
-    pub fn at(&self, load: Load, node: usize) -> ([f64; 2], [f64; 2]) {
-        let combine = |field: fn(&Solution) -> &Vec<[f64; 2]>| {
-            [0, 1].map(|axis| {
-                let held = self.held.as_ref();
-                let held = held.map_or(0.0, |held| field(held)[node][axis]);
-                load.combine([held, field(&self.unit)[node][axis]])
-            })
-        };
-        (combine(|s| &s.displacement), combine(|s| &s.reaction))
-    }
-
-    /// Stretches of a spring under what is held, and per unit of λ.
-    pub fn stretches(&self, problem: &Problem, spring: usize) -> [f64; 2] {
-        let stretch = |u: &Solution| problem.model.stretch(spring, &u.displacement);
-        [self.held.as_ref().map_or(0.0, stretch), stretch(&self.unit)]
-    }
-
-    /// The same but for rounding, in a fifth of the time.
-    pub fn rough_stretches(&self, problem: &Problem, spring: usize) -> [f64; 2] {
-        let Model {
-            springs, positions, ..
-        } = problem.model;
-        let Some(pair) = springs.pairs().get(spring) else {
-            return self.stretches(problem, spring);
-        };
-        if problem.model.has_turned_end(spring) {
-            return self.stretches(problem, spring);
-        }
-        let [a, b] = pair.map(|node| node as usize);
-        let [x, y] = [0, 1].map(|k| positions[b][k] - positions[a][k]);
-        let over = 1.0 / (x * x + y * y);
-        let stretch = |u: &Solution| {
-            let u = &u.displacement;
-            over * (x * (u[b][0] - u[a][0]) + y * (u[b][1] - u[a][1]))
-        };
-        [self.held.as_ref().map_or(0.0, stretch), stretch(&self.unit)]
-    }
-
-    /// The larger relative residual of the two.
-    pub fn residual(&self) -> f64 {
-        let held = self.held.as_ref().map_or(0.0, |held| held.residual);
-        nan_max(held, self.unit.residual)
-    }
-
-    fn values(&self, problem: &Problem) -> Values {
-        let both = [self.held.as_ref(), Some(&self.unit)];
-        Values::of(&problem.programme.functionals, both)
-    }
-}
 
 /// The response, and what is known of those that follow.
 pub struct Response {
@@ -113,7 +54,7 @@ impl Response {
         phases: &mut Phases,
     ) -> Result<Response, StaticsError> {
         let factorised = solver.factorise_broken(
-            &state.intact,
+            &state.integrity,
             &state.fragments,
             &mut state.mechanisms,
             phases,
@@ -257,7 +198,11 @@ impl Response {
     fn bounds(&self, problem: &Problem, state: &State) -> Bounds {
         let of = |s| {
             let stretches = self.solved.stretches(problem, s);
-            Bounds::of(stretches, problem.limits.of(s), state.load.factor)
+            Bounds::of(
+                stretches,
+                problem.laws.limits(s, state.integrity[s]),
+                state.load.factor,
+            )
         };
         // Maxima and minima: the same in any order.
         let all = intact(problem, state).map(of);
@@ -271,11 +216,17 @@ impl Response {
         }
         let is_near = |&s: &usize| {
             let stretch = load.combine(self.solved.rough_stretches(problem, s));
-            problem.limits.of(s).is_exceeded(stretch / NEAR)
+            problem
+                .laws
+                .limits(s, state.integrity[s])
+                .is_exceeded(stretch / NEAR)
         };
         let is_over = |&s: &usize| {
             let stretch = load.combine(self.solved.stretches(problem, s));
-            problem.limits.of(s).is_exceeded(stretch)
+            problem
+                .laws
+                .limits(s, state.integrity[s])
+                .is_exceeded(stretch)
         };
         self.near = intact(problem, state).filter(is_near).collect();
         let over: Vec<usize> = self.near.iter().copied().filter(is_over).collect();
@@ -292,15 +243,15 @@ impl Response {
         }
         let reaches = |&s: &usize| {
             let stretches = self.solved.stretches(problem, s);
-            is_at_limit(stretches, problem.limits.of(s), load, TIE)
+            is_at_limit(
+                stretches,
+                problem.laws.limits(s, state.integrity[s]),
+                load,
+                TIE,
+            )
         };
         intact(problem, state).filter(reaches).collect()
     }
-}
-
-/// The larger one; not a number if either is not: `f64::max` would pass over a solution that is none.
-pub(super) fn nan_max(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a > b { a } else { b }
 }
 
 fn intact<'a>(
@@ -308,7 +259,9 @@ fn intact<'a>(
     state: &'a State,
 ) -> impl ParallelIterator<Item = usize> + use<'a> {
     let springs = (0..problem.model.springs.len()).into_par_iter();
-    springs.with_min_len(4096).filter(|&s| state.intact[s])
+    springs
+        .with_min_len(4096)
+        .filter(|&s| state.integrity[s] > 0.0)
 }
 
 fn solve(
@@ -344,32 +297,4 @@ fn unit_guess(state: &State, held: Option<&Solution>) -> Option<Vec<[f64; 2]>> {
     };
     let nodes = state.displacement.iter().enumerate();
     scale.is_finite().then(|| nodes.map(of).collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::statics::SystemSize;
-
-    #[test]
-    fn a_solution_that_is_none_is_not_passed_over() {
-        let solution = |residual| Solution {
-            displacement: Vec::new(),
-            reaction: Vec::new(),
-            residual,
-            size: SystemSize::from_numbers([0; 4]),
-        };
-        let of = |held: Option<f64>, unit| {
-            let (held, unit) = (held.map(solution), solution(unit));
-            Solutions { held, unit }.residual()
-        };
-        assert_eq!([of(None, 2.0), of(Some(3.0), 2.0)], [2.0, 3.0]);
-        for (held, unit) in [
-            (None, f64::NAN),
-            (Some(f64::NAN), 1.0),
-            (Some(1.0), f64::NAN),
-        ] {
-            assert!(of(held, unit).is_nan());
-        }
-    }
 }

@@ -1,21 +1,24 @@
-//! What changes during a run: which bonds are intact, and what their breaking has cost.
+//! What changes during a run: the integrity of the interactions, and the energy that its changes have
+//! taken.
 
-use super::control::{Ending, Problem, SEPARATED};
+use super::ending::Ending;
 use super::event::Load;
-use super::failure::CriticalStretch;
+use super::laws::BondLaws;
 use super::programme::Programme;
-use super::response::Response;
 use crate::model::Model;
 use crate::statics::{StaticsError, SystemSize};
 use crate::support;
 use std::collections::BTreeSet;
 
-/// The state of damage. Bonds break and never heal.
+/// A body whose reaction is below this share of its peak is separated.
+const SEPARATED: f64 = 0.02;
+
+/// The state of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// Load steps, or events, behind us.
+    /// Number of load steps, or events, so far.
     pub step: usize,
-    /// The current phase of the programme, and the step behind which it began.
+    /// Number of the current phase of the programme, and the step after which it began.
     pub phase: usize,
     pub phase_start: usize,
     pub load: Load,
@@ -28,7 +31,8 @@ pub struct State {
     /// Relative residual of both, and the size of the system.
     pub residual: f64,
     pub size: Option<SystemSize>,
-    pub intact: Vec<bool>,
+    /// Integrity φ of every interaction [-].
+    pub integrity: Vec<f64>,
     /// Nodes of the parts that no support touches any more; they stay where they broke off.
     pub fragments: Vec<Vec<usize>>,
     /// Whether a load pushes a part that the supports do not hold.
@@ -39,12 +43,28 @@ pub struct State {
     pub stopped: Option<(Ending, String)>,
     pub energy: Energy,
     pub force: LoadForce,
-    /// Bonds and trusses broken since the start, in their order, initial cracks apart.
-    pub broken: Vec<u32>,
     /// Q and W of each phase [J].
     pub work: Vec<[f64; 2]>,
-    /// Bonds broken since the last solution: index, and elongation n·(u_j − u_i) then [m].
-    pub just_broken: Vec<(u32, f64)>,
+    /// Every change of integrity since the start, in their order; initial cracks are none.
+    pub changes: Vec<Change>,
+    /// Number of the last of these that no response takes into account yet.
+    pub fresh: usize,
+}
+
+/// A change of integrity, at the state of equilibrium before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    pub interaction: u32,
+    /// Integrity φ before and after [-].
+    pub integrity: [f64; 2],
+    /// Elongation e = w·u before [m].
+    pub elongation: f64,
+}
+
+impl Change {
+    pub fn is_break(&self) -> bool {
+        self.integrity[1] == 0.0
+    }
 }
 
 /// Energies since the start [J].
@@ -54,7 +74,7 @@ pub struct Energy {
     pub external: f64,
     /// ½ uᵀ K u.
     pub elastic: f64,
-    /// What the broken bonds took, Σ ½ k e e' with the elongations before and after the break.
+    /// Energy that changes of integrity took, Σ ½ (φ − φ') k e e' with the elongations before and after.
     pub dissipated: f64,
 }
 
@@ -94,23 +114,24 @@ impl State {
             reaction: vec![[0.0; 2]; model.node_count()],
             residual: 0.0,
             size: None,
-            intact: model.intact.clone(),
+            integrity: model.integrity.clone(),
             fragments: Vec::new(),
             load_lost: false,
             mechanisms: BTreeSet::new(),
             stopped: None,
             energy: Energy::default(),
             force: LoadForce::default(),
-            broken: Vec::new(),
             work: vec![[0.0; 2]; programme.phases.len()],
-            just_broken: Vec::new(),
+            changes: Vec::new(),
+            fresh: 0,
         };
         state.find_loose_parts(model, programme);
         state
     }
 
-    fn find_loose_parts(&mut self, model: &Model, programme: &Programme) {
-        let loose = support::loose_parts(model, programme.supports(), &self.intact);
+    /// Finds the parts that the supports do not hold any more.
+    pub(super) fn find_loose_parts(&mut self, model: &Model, programme: &Programme) {
+        let loose = support::loose_parts(model, programme.supports(), &self.integrity);
         let pushed = |part: &support::LoosePart| {
             let mut loads = programme.loads(self.phase);
             loads.any(|load| part.is_pushed(model, load))
@@ -138,65 +159,6 @@ impl State {
         is_due
     }
 
-    /// Moves along the straight path to `load`.
-    pub fn advance(&mut self, problem: &Problem, response: &Response, load: Load) {
-        self.account(problem, response, load);
-        self.resist(response.values().stiffness(self.phase), load);
-        self.load = load;
-        self.envelope = self.envelope.max(load.factor);
-    }
-
-    /// Finds displacements and reactions everywhere. Fragments stay where they broke off.
-    pub fn settle(&mut self, problem: &Problem, response: &Response) {
-        let solutions = response.solutions(problem, self.phase);
-        let frozen: Vec<usize> = self.fragments.iter().flatten().copied().collect();
-        let kept: Vec<[f64; 2]> = frozen.iter().map(|&node| self.displacement[node]).collect();
-        let nodes = 0..self.displacement.len();
-        (self.displacement, self.reaction) = nodes.map(|n| solutions.at(self.load, n)).unzip();
-        for (&node, u) in frozen.iter().zip(kept) {
-            self.displacement[node] = u;
-        }
-        self.residual = response.residual();
-        self.size = Some(solutions.unit.size);
-    }
-
-    /// Energies. With r = K u, equal to loads and reactions, before and after the break of bonds,
-    /// ½ (r + r')·(u' − u) = Δ(½ uᵀ K u) + Σ ½ k e e' holds for any two states. With the factors a_q
-    /// of the phases, u is Σ a_q u_q at the supports and r is Σ a_q f_q at the loads: all sums over dofs
-    /// are in Q and W.
-    fn account(&mut self, problem: &Problem, response: &Response, load: Load) {
-        let Problem {
-            model, programme, ..
-        } = problem;
-        let before = programme.factors(self.phase, self.load);
-        let now = programme.factors(self.phase, load);
-        let mut elastic = 0.0;
-        for (phase, (a, b)) in before.zip(now).enumerate() {
-            let [q, w] = response.values().work(phase, load);
-            let [q_before, w_before] = std::mem::replace(&mut self.work[phase], [q, w]);
-            self.energy.external += 0.5 * ((q_before + q) * (b - a) + (a + b) * (w - w_before));
-            elastic += 0.5 * b * (q + w);
-        }
-        self.energy.elastic = elastic;
-        for (spring, before) in self.just_broken.drain(..) {
-            let spring = spring as usize;
-            let length = model.springs.length(spring, &model.positions);
-            let after = length * response.stretch(problem, spring, load);
-            let stiffness = model.springs.stiffness[spring];
-            self.energy.dissipated += 0.5 * stiffness * before * after;
-        }
-    }
-
-    fn resist(&mut self, stiffness: f64, load: Load) {
-        let force = &mut self.force;
-        force.now = load.share * load.factor * stiffness;
-        force.peak = force.peak.max(force.now.abs());
-        if force.stiffness[0] == 0.0 {
-            force.stiffness[0] = stiffness;
-        }
-        force.stiffness[1] = stiffness;
-    }
-
     /// What is left has no solution: the run ends here.
     pub fn stop(&mut self, error: &StaticsError) -> Ending {
         let ending = match error {
@@ -207,101 +169,29 @@ impl State {
         ending
     }
 
-    /// Breaks the given bonds, finds what falls off, and returns how many have broken. Displacements are
-    /// those of the `response`, or else the state's own.
-    pub fn break_bonds(
-        &mut self,
-        problem: &Problem,
-        response: Option<&Response>,
-        bonds: &[usize],
-    ) -> usize {
-        let Problem {
-            model, programme, ..
-        } = problem;
-        for &spring in bonds {
-            let stretch = match response {
-                Some(response) => response.stretch(problem, spring, self.load),
-                None => self.stretch(model, spring),
-            };
-            let elongation = model.springs.length(spring, &model.positions) * stretch;
-            self.intact[spring] = false;
-            self.broken.push(spring as u32);
-            self.just_broken.push((spring as u32, elongation));
-        }
-        // A response that is known already is that of a regular K: everything is held.
-        let is_held = response.is_some_and(Response::foresees_next);
-        if bonds.is_empty() || is_held {
-            return bonds.len();
-        }
-        let before = self.fragments.clone();
-        self.find_loose_parts(model, programme);
-        if self.fragments != before
-            && let Some(response) = response
-        {
-            // What comes off stays where it is now.
-            let now = std::mem::replace(&mut self.fragments, before);
-            self.settle(problem, response);
-            self.fragments = now;
-        }
-        bonds.len()
+    /// Changes that no response takes into account yet.
+    pub fn fresh_changes(&self) -> &[Change] {
+        &self.changes[self.changes.len() - self.fresh..]
     }
 
-    /// Stretch of a spring [-].
+    /// Interactions broken since the start, in their order; initial cracks are none.
+    pub fn broken(&self) -> Vec<u32> {
+        let broken = self.changes.iter().filter(|change| change.is_break());
+        broken.map(|change| change.interaction).collect()
+    }
+
+    /// Stretch of an interaction [-].
     pub fn stretch(&self, model: &Model, spring: usize) -> f64 {
         model.stretch(spring, &self.displacement)
     }
 
-    /// The intact spring nearest to its limit, and its stretch over it [-].
-    pub fn most_strained(&self, model: &Model, limits: &Limits) -> Option<(usize, f64)> {
-        let intact = (0..model.springs.len()).filter(|&s| self.intact[s]);
-        let utilised = intact.map(|s| (s, limits.of(s).utilisation(self.stretch(model, s))));
+    /// The interaction nearest to a limit, and its stretch over that [-].
+    pub fn most_strained(&self, model: &Model, laws: &BondLaws) -> Option<(usize, f64)> {
+        let intact = (0..model.springs.len()).filter(|&s| self.integrity[s] > 0.0);
+        let utilised = intact.map(|s| {
+            let limits = laws.limits(s, self.integrity[s]);
+            (s, limits.utilisation(self.stretch(model, s)))
+        });
         utilised.max_by(|a, b| a.1.total_cmp(&b.1))
-    }
-}
-
-/// φ_i = 1 − Σ μ_ij A_j / Σ A_j over the family, Qian et al. (2021), eq. (7) [-], by material
-/// point.
-pub fn damage(model: &Model, intact: &[bool]) -> Vec<f64> {
-    let first = model.fe_node_count();
-    let mut broken = vec![0.0; model.areas.len()];
-    let mut whole = vec![0.0; model.areas.len()];
-    for (bond, &[i, j]) in model.springs.pairs()[..model.bond_count].iter().enumerate() {
-        let ends = [i, j].map(|node| node as usize - first);
-        let xi = model.springs.length(bond, &model.positions);
-        let fraction = model.area_fraction(i as usize, xi);
-        for (own, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
-            let area = model.areas[other] * fraction;
-            whole[own] += area;
-            if !intact[bond] {
-                broken[own] += area;
-            }
-        }
-    }
-    for share in &model.clipped {
-        let own = share.point as usize - first;
-        whole[own] += share.area;
-        if !intact[model.springs.pairs().len() + share.spring as usize] {
-            broken[own] += share.area;
-        }
-    }
-    broken
-        .iter()
-        .zip(whole)
-        .map(|(b, w)| if w > 0.0 { b / w } else { 0.0 })
-        .collect()
-}
-
-/// The critical stretch of every spring.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Limits {
-    /// The different ones.
-    pub table: Vec<CriticalStretch>,
-    /// Which one each spring has.
-    pub class: Vec<u32>,
-}
-
-impl Limits {
-    pub fn of(&self, spring: usize) -> CriticalStretch {
-        self.table[self.class[spring] as usize]
     }
 }

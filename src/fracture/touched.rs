@@ -1,8 +1,9 @@
 //! The dofs that springs which are gone acted on, and their system: I − G S of `update.rs`.
 
-use super::control::Problem;
 use super::dense::Lu;
-use super::lost::{self, Spring};
+use super::lost::{self, Loss, Spring};
+use super::problem::Problem;
+use super::state::Change;
 use crate::linear_solver::columns::{slice, slice_mut};
 use crate::linear_solver::compliance::UnitLoads;
 use crate::statics::{Factorised, Solution};
@@ -56,11 +57,11 @@ impl Touched {
         self.active.len()
     }
 
-    /// Makes the dofs of springs, and pins, active; how many are new.
-    pub fn enter(&mut self, problem: &Problem, springs: &[u32], pins: &[usize]) -> usize {
+    /// Makes the dofs of changed interactions, and pins, active; how many are new.
+    pub fn enter(&mut self, problem: &Problem, changes: &[Change], pins: &[usize]) -> usize {
         let before = self.dofs.len();
-        let of_spring = |&spring: &u32| problem.model.springs.nodes(spring as usize);
-        let nodes = springs.iter().flat_map(of_spring);
+        let of_change = |change: &Change| problem.model.springs.nodes(change.interaction as usize);
+        let nodes = changes.iter().flat_map(of_change);
         let dofs = nodes.flat_map(|&node| [2 * node as usize, 2 * node as usize + 1]);
         for dof in dofs.chain(pins.iter().copied()) {
             let place = self.add(dof);
@@ -138,11 +139,11 @@ impl Touched {
         }
     }
 
-    /// Adds springs that are gone to S.
-    pub fn lose(&mut self, problem: &Problem, gone: &[u32]) {
+    /// Adds changes to S.
+    pub fn lose(&mut self, problem: &Problem, changes: &[Change]) {
         let known = self.springs.len();
-        for &spring in gone {
-            self.springs.push(self.spring(problem, spring as usize));
+        for loss in losses(problem, changes) {
+            self.springs.push(self.spring(problem, loss));
         }
         self.subtract(known, 0);
     }
@@ -155,17 +156,17 @@ impl Touched {
         lost::subtract(system, compliance, &self.springs[first_spring..]);
     }
 
-    fn spring(&self, problem: &Problem, spring: usize) -> Spring {
+    fn spring(&self, problem: &Problem, loss: Loss) -> Spring {
         let model = problem.model;
         let mut terms = Vec::new();
-        model.for_each_term(spring, |node, w| {
+        model.for_each_term(loss.interaction, |node, w| {
             for (axis, w) in w.into_iter().enumerate() {
                 let place = self.place[&(2 * node as usize + axis)];
                 terms.push((place, w));
             }
         });
         Spring {
-            stiffness: model.springs.stiffness[spring],
+            stiffness: loss.stiffness,
             terms,
         }
     }
@@ -255,4 +256,17 @@ impl Touched {
         }
         change
     }
+}
+
+/// What each of these changes takes from its interaction.
+pub fn losses(problem: &Problem, changes: &[Change]) -> Vec<Loss> {
+    let loss = |change: &Change| {
+        let interaction = change.interaction as usize;
+        let [before, after] = change.integrity;
+        Loss {
+            interaction,
+            stiffness: (before - after) * problem.model.springs.stiffness[interaction],
+        }
+    };
+    changes.iter().map(loss).collect()
 }

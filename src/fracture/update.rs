@@ -18,11 +18,12 @@
 //! A fragment that has come off does not move, z_F = 0: the unknowns there are the forces r that hold it,
 //! with columns −G_F in place of those of z_F.
 
-use super::control::Problem;
 use super::dense::Lu;
-use super::response::Solutions;
-use super::state::State;
-use super::touched::Touched;
+use super::lost::pairs;
+use super::problem::Problem;
+use super::solutions::Solutions;
+use super::state::{Change, State};
+use super::touched::{Touched, losses};
 use crate::boundary::Boundary;
 use crate::phases::Phases;
 use crate::statics::{Factorised, Solution, Solver, StaticsError};
@@ -48,9 +49,9 @@ pub struct Update {
     base: Solutions,
     scales: [f64; 2],
     phase: usize,
-    /// Bonds that had broken when K was factorised.
+    /// Number of the state's changes when K was factorised.
     first: usize,
-    /// Bonds that had broken when the response was last updated.
+    /// Number of its changes when the response was last updated.
     known: usize,
     touched: Touched,
     costs: Costs,
@@ -74,8 +75,8 @@ impl Update {
             factorised,
             base,
             phase: state.phase,
-            first: state.broken.len(),
-            known: state.broken.len(),
+            first: state.changes.len(),
+            known: state.changes.len(),
             touched: Touched::new(),
         }
     }
@@ -83,7 +84,7 @@ impl Update {
     /// Whether a run that starts from `state` with a factorisation goes on with the same bits: either the
     /// next response is from a factorisation, or this one is.
     pub fn is_reproducible(&self, state: &State) -> bool {
-        if state.broken.len() > self.known {
+        if state.changes.len() > self.known {
             self.costs.is_due()
         } else {
             self.known == self.first
@@ -103,15 +104,15 @@ impl Update {
             return None;
         }
         let mut pins = self.pins(state);
-        let lost = &state.broken[self.known..];
-        let new = self.touched.enter(problem, lost, &pins);
+        let changes = &state.changes[self.known..];
+        let new = self.touched.enter(problem, changes, &pins);
         if !self.costs.add(self.touched.active(), new) {
             return None;
         }
         self.touched.expect(problem, near);
         phases.measure("compliance", || self.touched.extend(&self.factorised));
-        phases.measure("update", || self.touched.lose(problem, lost));
-        self.known = state.broken.len();
+        phases.measure("update", || self.touched.lose(problem, changes));
+        self.known = state.changes.len();
         let mut mechanisms = Vec::new();
         let system = loop {
             match phases.measure("update", || self.touched.factorise(&pins)) {
@@ -149,12 +150,14 @@ impl Update {
             touched,
             ..
         } = self;
+        let changes = state.changes[first..].iter();
+        let changed: Vec<u32> = changes.map(|change| change.interaction).collect();
         // The memory is needed for what supernodes pass up.
         drop(touched);
         let done = solver.refactorise(
             &mut factorised,
-            &state.broken[first..],
-            &state.intact,
+            &changed,
+            &state.integrity,
             &state.fragments,
             &mut state.mechanisms,
             phases,
@@ -170,15 +173,16 @@ impl Update {
         pins: &[usize],
     ) -> Option<Solutions> {
         let (model, programme) = (problem.model, problem.programme);
-        let gone = state.broken[self.first..].iter();
-        let gone: Vec<usize> = gone.map(|&spring| spring as usize).collect();
+        let losses = losses(problem, &state.changes[self.first..]);
         let after = |before: &Solution, case: (&Boundary, f64)| {
             let forces = self.touched.forces(system, pins, before);
             let mut change = self.touched.change(&self.factorised, &forces);
             for &dof in pins {
                 change[dof] = -before.displacement[dof / 2][dof % 2];
             }
-            let solution = self.factorised.without(model, case, before, &change, &gone);
+            let solution = self
+                .factorised
+                .without(model, case, before, &change, pairs(&losses));
             // False for what is not a number.
             (solution.residual <= DRIFT).then_some(solution)
         };
@@ -221,13 +225,9 @@ impl Costs {
         let entries = factorised.entries as f64;
         // The next one follows what will have broken until then: no less than what broke last. From what a
         // checkpoint holds as well.
-        let of_bond = |&(bond, _): &(u32, f64)| problem.model.springs.nodes(bond as usize);
-        let nodes: Vec<u32> = state
-            .just_broken
-            .iter()
-            .flat_map(of_bond)
-            .copied()
-            .collect();
+        let of_change = |change: &Change| problem.model.springs.nodes(change.interaction as usize);
+        let nodes = state.fresh_changes().iter().flat_map(of_change);
+        let nodes: Vec<u32> = nodes.copied().collect();
         let flops = match nodes.is_empty() {
             true => factorised.flops,
             false => factorised.flops_above(&nodes),

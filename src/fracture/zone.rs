@@ -1,10 +1,11 @@
 //! The dofs around the tips, the springs between them, and their compliance while springs go.
 
-use super::control::Problem;
 use super::event::Bounds;
-use super::failure::CriticalStretch;
 use super::functional::Values;
-use super::response::Solutions;
+use super::laws::StretchLimits;
+use super::lost::Loss;
+use super::problem::Problem;
+use super::solutions::Solutions;
 use crate::linear_solver::columns::{add, slice, slice_mut};
 use crate::model::Model;
 use crate::statics::Solution;
@@ -36,8 +37,6 @@ pub struct Zone {
     terms: Vec<(u32, f64)>,
     /// One over their lengths [1/m].
     over_length: Vec<f64>,
-    limits: Vec<CriticalStretch>,
-    stiffness: Vec<f64>,
     /// Places of those of which one node has many intact springs to nodes outside.
     pub at_rim: Vec<usize>,
     /// Springs outside with a node in the zone, or next to one that has, ascending.
@@ -63,7 +62,7 @@ fn is_rim(inside: usize, across: usize) -> bool {
 }
 
 impl Zone {
-    pub fn new(problem: &Problem, intact: &[bool], nodes: &[usize]) -> Zone {
+    pub fn new(problem: &Problem, integrity: &[f64], nodes: &[usize]) -> Zone {
         let model = problem.model;
         let mut places = vec![Place::Outside; model.node_count()];
         for (k, &node) in nodes.iter().enumerate() {
@@ -75,18 +74,18 @@ impl Zone {
             start: vec![0],
             terms: Vec::new(),
             over_length: Vec::new(),
-            limits: Vec::new(),
-            stiffness: Vec::new(),
             at_rim: Vec::new(),
             ring: Vec::new(),
             ring_nodes: Vec::new(),
         };
         // Unbreakable ones need no watching.
-        let breaks = |s: usize| problem.limits.of(s) != CriticalStretch::UNBREAKABLE;
+        let breaks = |s: usize| problem.laws.limits(s, integrity[s]) != StretchLimits::NONE;
         let touching = |test: &(dyn Fn(&u32) -> bool + Sync)| -> Vec<usize> {
             let all = (0..model.springs.len()).into_par_iter();
-            all.filter(|&s| intact[s] && breaks(s) && model.springs.nodes(s).iter().any(test))
-                .collect()
+            all.filter(|&s| {
+                integrity[s] > 0.0 && breaks(s) && model.springs.nodes(s).iter().any(test)
+            })
+            .collect()
         };
         let is_in = |&node: &u32| places[node as usize] != Place::Outside;
         let (inside, across): (Vec<usize>, Vec<usize>) =
@@ -131,8 +130,6 @@ impl Zone {
         self.springs.push(spring);
         self.start.push(self.terms.len());
         (self.over_length).push(springs.length(spring, positions).recip());
-        self.limits.push(problem.limits.of(spring));
-        self.stiffness.push(springs.stiffness[spring]);
     }
 
     /// Where a spring stands in the zone.
@@ -165,27 +162,23 @@ impl Zone {
         let bounds = chunks.map(|(chunk, stretches)| {
             let mut bounds = Bounds::NONE;
             for (k, stretch) in (chunk * CHUNK..).zip(stretches) {
-                *stretch = match front.intact[k] {
+                *stretch = match front.integrity[k] > 0.0 {
                     true => self.stretches(k, &front.displacement),
                     false => [0.0; 2],
                 };
-                bounds = bounds.and(Bounds::of(*stretch, self.limits[k], last));
+                bounds = bounds.and(Bounds::of(*stretch, front.limits[k], last));
             }
             bounds
         });
         bounds.reduce(|| Bounds::NONE, Bounds::and)
     }
 
-    pub fn limit(&self, place: usize) -> CriticalStretch {
-        self.limits[place]
-    }
-
-    /// The forces k (w·u) w of springs, dof by dof of the zone [N].
-    pub fn forces(&self, springs: &[usize], u: &[f64]) -> Vec<f64> {
+    /// The forces that lost stiffness had, Σ (φ − φ') k (w·u) w, dof by dof of the zone [N].
+    pub fn forces(&self, losses: &[Loss], u: &[f64]) -> Vec<f64> {
         let mut forces = vec![0.0; self.dofs.len()];
-        for &spring in springs {
-            let place = self.place(spring).expect("a spring of the zone");
-            let force = self.stiffness[place] * self.elongation(place, u);
+        for loss in losses {
+            let place = self.place(loss.interaction).expect("a spring of the zone");
+            let force = loss.stiffness * self.elongation(place, u);
             for &(dof, w) in self.terms(place) {
                 forces[dof as usize] += force * w;
             }
@@ -206,11 +199,15 @@ pub struct Front {
     /// v of the functionals.
     fields: Vec<Vec<f64>>,
     pub values: Values,
-    intact: Vec<bool>,
+    /// Integrity φ of the zone's springs [-], and the limits of their branches.
+    pub integrity: Vec<f64>,
+    pub limits: Vec<StretchLimits>,
 }
 
 impl Front {
     pub fn new(
+        problem: &Problem,
+        integrity: &[f64],
         zone: &Zone,
         compliance: Mat<f64>,
         solutions: &Solutions,
@@ -231,21 +228,32 @@ impl Front {
             ],
             fields,
             values,
-            intact: vec![true; zone.springs.len()],
+            integrity: zone.springs.iter().map(|&s| integrity[s]).collect(),
+            limits: (zone.springs.iter())
+                .map(|&s| problem.laws.limits(s, integrity[s]))
+                .collect(),
         }
     }
 
-    /// Takes a spring away; whether all is still held.
-    pub fn release(&mut self, zone: &Zone, spring: usize) -> bool {
-        let place = zone.place(spring).expect("a spring of the zone");
-        let (w, k) = (zone.terms(place), zone.stiffness[place]);
-        self.intact[place] = false;
+    /// Gives a spring of the zone another integrity, and returns the stiffness that it loses; `None` where
+    /// not all is held any more.
+    pub fn change(
+        &mut self,
+        problem: &Problem,
+        zone: &Zone,
+        place: usize,
+        integrity: f64,
+    ) -> Option<Loss> {
+        let (w, spring) = (zone.terms(place), zone.springs[place]);
+        let k = (self.integrity[place] - integrity) * problem.model.springs.stiffness[spring];
+        self.integrity[place] = integrity;
+        self.limits[place] = problem.laws.limits(spring, integrity);
         let a = self.column(w);
         let d = 1.0 - k * dot(w, &a);
         // False for what is not a number.
         let is_held = d > LEAST_DENOMINATOR;
         if !is_held {
-            return false;
+            return None;
         }
         let force = |u: &Vec<f64>| if u.is_empty() { 0.0 } else { k * dot(w, u) / d };
         let forces = [force(&self.displacement[0]), force(&self.displacement[1])];
@@ -265,7 +273,10 @@ impl Front {
         if self.waiting == PENDING {
             self.flush();
         }
-        true
+        Some(Loss {
+            interaction: spring,
+            stiffness: k,
+        })
     }
 
     /// A w.

@@ -322,9 +322,9 @@ fn block_size(columns: usize) -> usize {
 mod tests {
     use super::*;
     use crate::assembly::{ElementStiffness, Pattern};
+    use crate::interactions::Interactions;
     use crate::linear_solver::cholesky::Symbolic;
     use crate::linear_solver::ordering::Ordering;
-    use crate::springs::Springs;
     use nalgebra::DMatrix;
 
     const SIDE: usize = 60;
@@ -350,7 +350,7 @@ mod tests {
             .map(|k| [(k % SIDE) as f64, (k / SIDE) as f64])
             .collect();
         let stiffness = vec![1.0; pairs.len()];
-        let springs = Springs::of_pairs(pairs, stiffness);
+        let springs = Interactions::of_bonds(pairs, stiffness);
         let ground = |k: usize| ElementStiffness {
             nodes: vec![k as u32],
             matrix: DMatrix::from_diagonal_element(2, 2, 1e-3),

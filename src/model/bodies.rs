@@ -13,9 +13,9 @@
 
 use super::{Interface, Method, Model, ModelError, PointRegion, Region};
 use crate::geometry::Outline;
+use crate::interactions::Interactions;
 use crate::mesh::Mesh;
 use crate::peridynamics::axes::dominant_angle;
-use crate::springs::Springs;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -149,17 +149,16 @@ impl Model {
 
     /// The peridynamic regions in which a spring begins and ends; `None` between finite elements.
     pub fn regions_of_spring(&self, spring: usize) -> Option<[usize; 2]> {
-        let pairs = self.springs.pairs();
-        let Some(pair) = pairs.get(spring) else {
-            return self.interpolated_regions[spring - pairs.len()];
+        let Some(pair) = self.springs.pair(spring) else {
+            return self.clipped_regions[spring - self.springs.clipped_bonds().start];
         };
         let regions = pair.map(|node| self.region_of_point(node as usize));
         let first = regions[0].or(regions[1])?;
         Some(regions.map(|region| region.unwrap_or(first)))
     }
 
-    /// The peridynamic regions in which each interpolated spring begins and ends.
-    fn find_interpolated_regions(&self) -> Vec<Option<[usize; 2]>> {
+    /// The peridynamic regions in which each clipped bond begins and ends.
+    fn find_clipped_regions(&self) -> Vec<Option<[usize; 2]>> {
         let mut outlines: BTreeMap<usize, Vec<(usize, Outline)>> = BTreeMap::new();
         for leader in self.points.iter().map(|points| points.region) {
             let members: Vec<usize> = self.members(leader).collect();
@@ -183,8 +182,8 @@ impl Model {
             let other = ends[0].or(ends[1]).unwrap_or(first);
             Some(ends.map(|end| end.unwrap_or(other)))
         };
-        let interpolated = self.springs.pairs().len()..self.springs.len();
-        interpolated.into_par_iter().map(find).collect()
+        let clipped = self.springs.clipped_bonds();
+        clipped.into_par_iter().map(find).collect()
     }
 
     /// The mean Young's modulus of the two ends of a spring [Pa], c being proportional to it; `None` between
@@ -211,13 +210,13 @@ impl Model {
 
     /// Gives all springs, which were made with the micromoduli of the leaders, those of their ends.
     pub(super) fn mix_materials(&mut self) {
-        self.interpolated_regions = self.find_interpolated_regions();
+        self.clipped_regions = self.find_clipped_regions();
         let leads_others = (0..self.regions.len()).any(|r| self.leader[r] != r);
         if leads_others {
             let factors: Vec<f64> = (0..self.springs.len())
                 .map(|spring| self.material_factor(spring))
                 .collect();
-            let Springs { stiffness, .. } = &mut self.springs;
+            let Interactions { stiffness, .. } = &mut self.springs;
             stiffness.iter_mut().zip(factors).for_each(|(k, f)| *k *= f);
         }
     }

@@ -67,11 +67,11 @@ impl Model {
                     first_node: first as u32,
                 });
                 let first = first as u32;
-                bonds.retain_pairs(|pair| {
+                bonds.retain_bonds(|pair| {
                     let pair = pair.map(|node| node - first);
                     clipped.replaced.binary_search(&pair).is_err()
                 });
-                let before = self.springs.len() - self.springs.pairs().len();
+                let before = self.springs.clipped_bonds().len();
                 self.clipped
                     .extend(clipped.shares.iter().map(|share| FamilyShare {
                         spring: before as u32 + share.spring,
@@ -96,7 +96,6 @@ impl Model {
             self.positions.extend(positions);
             self.areas.extend(areas);
         }
-        self.bond_count = self.springs.pairs().len();
         Ok(())
     }
 

@@ -4,7 +4,7 @@
 use super::kernel::Micromodulus;
 use super::lattice::Lattice;
 use super::visibility::Visibility;
-use crate::springs::Springs;
+use crate::interactions::Interactions;
 use rayon::prelude::*;
 
 /// The family of an inner lattice point, in spacings from it, row by row.
@@ -29,7 +29,7 @@ pub fn bonds(
     thickness: f64,
     first_node: u32,
     visibility: &Visibility,
-) -> Springs {
+) -> Interactions {
     let families = Families::new(lattice, micromodulus, thickness);
     let rows = (0..lattice.index.counts[1] as usize).into_par_iter();
     let rows: Vec<Row> = rows
@@ -53,7 +53,7 @@ pub fn bonds(
             let hidden = &rows[row].hidden;
             families.fill(row as i64, first_node, hidden, pairs, stiffness);
         });
-    Springs::of_pairs(pairs, stiffness)
+    Interactions::of_bonds(pairs, stiffness)
 }
 
 /// What the bonds of a lattice are made from.

@@ -23,7 +23,7 @@ use super::lattice::{LatticeSettings, Sites};
 use super::least_squares::EdgeFactors;
 use super::visibility::Visibility;
 use crate::geometry::Outline;
-use crate::springs::Springs;
+use crate::interactions::Interactions;
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -111,7 +111,7 @@ impl Surface {
 
     /// Multiplies the stiffness of every bond by its factor. `positions`: of the points, whose nodes
     /// count from `first_node` [m].
-    pub fn correct(&self, bonds: &mut Springs, positions: &[[f64; 2]], first_node: u32) {
+    pub fn correct(&self, bonds: &mut Interactions, positions: &[[f64; 2]], first_node: u32) {
         let is_whole = |&position| self.completeness[self.sites.nearest(position)] == WHOLE;
         let is_whole: Vec<bool> = positions.par_iter().map(is_whole).collect();
         let correct = |(stiffness, pair): (&mut f64, &[u32; 2])| {

@@ -85,15 +85,15 @@ impl Factorised {
         self.system.scale(&self.system.case(case))
     }
 
-    /// The solution of a case after springs have gone, from the one before and its change [m]; its residual
-    /// is relative to `scale`.
+    /// The solution of a case after interactions have changed, from the one before and its change [m]; its
+    /// residual is relative to `scale`. `losses`: interactions, and the stiffness that each has lost [N/m].
     pub fn without(
         &self,
         model: &Model,
         (case, scale): (&Boundary, f64),
         before: &Solution,
         change: &[f64],
-        gone: &[usize],
+        losses: impl Iterator<Item = (usize, f64)>,
     ) -> Solution {
         let (springs, positions) = (&model.springs, &model.positions);
         let before_dofs = before.displacement.iter().flatten();
@@ -101,10 +101,10 @@ impl Factorised {
         let displacement = vectors(&u);
         let case = self.system.case(case);
         let mut force = self.force(&u);
-        for &spring in gone {
+        for (spring, loss) in losses {
             let elongation =
                 springs.length(spring, positions) * model.stretch(spring, &displacement);
-            let taken = -springs.stiffness[spring] * elongation;
+            let taken = -loss * elongation;
             add_spring_force(&mut force, model, spring, taken);
         }
         let residual = norm(&case.residual(&force)) / scale;

@@ -4,13 +4,13 @@
 mod cells;
 
 use crate::assembly::{ElementStiffness, Lists, LowerMatrix, Pattern};
+use crate::interactions::Interactions;
 use crate::linear_solver::held::Held;
 use crate::linear_solver::ordering::{Ordering, elimination_order};
 use crate::linear_solver::two_level::TwoLevel;
 use crate::linear_solver::{Factor, Method, SolverError, cholesky, expected_factor_entries};
 use crate::model::Model;
 use crate::phases::Phases;
-use crate::springs::Springs;
 
 pub(super) struct Structure {
     elements: Vec<ElementStiffness>,
@@ -54,27 +54,27 @@ impl Structure {
         })
     }
 
-    /// K with the springs that are intact, in the axes of the nodes.
-    pub(super) fn assemble(&self, model: &Model, intact: &[bool]) -> LowerMatrix {
-        let is_intact = |spring: usize| intact[spring];
+    /// K with the integrity φ of every interaction, in the axes of the nodes.
+    pub(super) fn assemble(&self, model: &Model, integrity: &[f64]) -> LowerMatrix {
+        let integrity = |spring: usize| integrity[spring];
         let (springs, positions) = (&model.springs, &model.positions);
         let mut stiffness =
-            (self.pattern).assemble_intact(positions, springs, is_intact, &self.elements);
+            (self.pattern).assemble_with(positions, springs, integrity, &self.elements);
         stiffness.turn(&model.node_axes);
         stiffness
     }
 
-    /// Brings the columns of some nodes up to the springs that are intact.
+    /// Brings the columns of some nodes up to the integrity φ of now.
     pub(super) fn reassemble(
         &self,
         stiffness: &mut LowerMatrix,
         nodes: &[u32],
-        (positions, springs): (&[[f64; 2]], &Springs),
-        intact: &[bool],
+        (positions, springs): (&[[f64; 2]], &Interactions),
+        integrity: &[f64],
     ) {
-        let is_intact = |spring: usize| intact[spring];
+        let integrity = |spring: usize| integrity[spring];
         let elements = &self.elements;
-        (self.pattern).reassemble(stiffness, nodes, positions, springs, is_intact, elements);
+        (self.pattern).reassemble(stiffness, nodes, positions, springs, integrity, elements);
     }
 
     /// What to solve with, given which dofs are held. `likely`: nodes near which K will change, if it is to be
@@ -106,7 +106,7 @@ impl Structure {
     }
 
     /// Some mean of K's diagonal, the same whatever has broken: its scale [N/m].
-    pub(super) fn mean_diagonal(&self, springs: &Springs, dofs: usize) -> f64 {
+    pub(super) fn mean_diagonal(&self, springs: &Interactions, dofs: usize) -> f64 {
         let of_springs: f64 = springs.stiffness.iter().map(|k| 2.0 * k).sum();
         let elements = self.elements.iter();
         let own: f64 = elements.map(|element| element.matrix.trace()).sum();

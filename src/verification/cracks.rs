@@ -4,7 +4,7 @@ use super::bodies::{TRUSS, build, material, nearest, paper_lattice, region};
 use super::centre_crack::{Plate, Points, ratios};
 use super::{Check, Reference, VerificationError};
 use crate::cracks::Cracks;
-use crate::fracture::state::damage;
+use crate::fields::damage::damage;
 use crate::mesh::grid::{Grid, name_cells};
 use crate::mesh::{CellKind, Edge};
 use crate::model::Method;
@@ -37,7 +37,7 @@ pub fn measure_damage() -> Result<Vec<Check>, VerificationError> {
             within: 1e-12,
         },
         source: "20 of 48 neighbours",
-        measured: damage(&model, &model.intact)[beside],
+        measured: damage(&model, &model.integrity)[beside],
     }])
 }
 

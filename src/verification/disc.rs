@@ -84,7 +84,7 @@ pub fn profile(disc: Disc, per_diameter: usize) -> Result<Vec<[f64; 3]>, Verific
     };
     let model = build(mesh, regions, Coupling::Clip)?;
     let solution = solve(&model, &pressed(&model))?;
-    let fields = PointFields::new(&model, &solution.displacement, &model.intact);
+    let fields = PointFields::new(&model, &solution.displacement, &model.integrity);
     let first = model.fe_node_count();
     let points = model.positions[first..].iter().zip(&fields.stress);
     let row = points.filter(|([_, y], _)| (y - 0.5 * dx).abs() < 1e-6 * dx);

@@ -28,10 +28,10 @@ use crate::boundary::Boundary;
 use crate::coupling::Coupling;
 use crate::cracks::Cracks;
 use crate::fracture::control::{self, Control, Problem, Record, Resolution, Until};
-use crate::fracture::failure::{CriticalStretch, Strength};
+use crate::fracture::laws::{BondLaws, Breakable, Strength};
 use crate::fracture::programme::Programme;
 use crate::fracture::response::Response;
-use crate::fracture::state::{Limits, State};
+use crate::fracture::state::State;
 use crate::mesh::grid::{Grid, name_cells, name_curve};
 use crate::mesh::{CellKind, Edge};
 use crate::model::{Method, Model};
@@ -148,23 +148,26 @@ pub fn grow(resolution: Resolution) -> Result<Growth, VerificationError> {
     }
     let programme = Programme::proportional(boundary);
     let micromodulus = &model.points[0].micromodulus;
-    let bonds = CriticalStretch::new(Strength::EnergyReleaseRate(1.0), 1.0, micromodulus);
-    let limits = Limits {
-        table: vec![CriticalStretch::UNBREAKABLE, bonds],
-        class: (0..model.springs.len())
-            .map(|spring| u32::from(spring < model.bond_count))
-            .collect(),
-    };
+    let strengths = vec![Some(Strength::EnergyReleaseRate(1.0)); model.regions.len()];
+    let laws = BondLaws::of_model(
+        &model,
+        &Breakable {
+            strengths: &strengths,
+            unbreakable: &vec![false; model.node_count()],
+            trusses: false,
+        },
+    );
+    let critical = laws.first_limits(0).tension;
     // The energy of one column of the cut.
-    let column = micromodulus.c0 * micromodulus.third_moment() * bonds.tension.powi(2);
+    let column = micromodulus.c0 * micromodulus.third_moment() * critical.powi(2);
     let energy_at_limit = |spring: usize| {
-        let e = bonds.tension * model.springs.length(spring, &model.positions);
+        let e = critical * model.springs.length(spring, &model.positions);
         0.5 * model.springs.stiffness[spring] * e * e / column
     };
     let problem = Problem {
         model: &model,
         programme: &programme,
-        limits: &limits,
+        laws: &laws,
         control: Control::EventDriven,
         until: Until {
             steps: 12 * GROWTH,
@@ -175,12 +178,13 @@ pub fn grow(resolution: Resolution) -> Result<Growth, VerificationError> {
     let mut state = State::new(&model, &programme);
     let (mut path, mut imbalance) = (Vec::new(), 0.0f64);
     let observe = |state: &State, _: Record, _: &Response| {
-        let gone = (0..model.bond_count).filter(|&s| model.intact[s] && !state.intact[s]);
+        let gone = model
+            .springs
+            .bonds()
+            .filter(|&s| model.integrity[s] > state.integrity[s]);
         // The bonds of this event have broken at its load.
-        let now: f64 = state
-            .just_broken
-            .iter()
-            .map(|&(s, _)| energy_at_limit(s as usize))
+        let now: f64 = (state.fresh_changes().iter())
+            .map(|change| energy_at_limit(change.interaction as usize))
             .sum();
         let length = CRACK as f64 + gone.map(energy_at_limit).sum::<f64>() - now;
         let energy = state.energy;
@@ -190,8 +194,10 @@ pub fn grow(resolution: Resolution) -> Result<Growth, VerificationError> {
         Ok::<(), VerificationError>(())
     };
     control::run(&problem, &mut state, &mut Phases::default(), observe)?;
-    let gone: Vec<usize> = (0..model.bond_count)
-        .filter(|&s| model.intact[s] && !state.intact[s])
+    let gone: Vec<usize> = model
+        .springs
+        .bonds()
+        .filter(|&s| model.integrity[s] > state.integrity[s])
         .collect();
     if gone.is_empty() {
         return Err(VerificationError::NothingBroken);
@@ -203,7 +209,7 @@ pub fn grow(resolution: Resolution) -> Result<Growth, VerificationError> {
     Ok(Growth {
         path,
         unmirrored: unmirrored(&model, &gone),
-        broken: state.broken,
+        broken: state.broken(),
         off_line: gone.iter().filter(is_off_line).count(),
         imbalance,
     })

@@ -122,7 +122,7 @@ impl Profile {
         ];
         let model = build(mesh, regions, Coupling::Clip)?;
         let solution = solve(&model, &hold_outline(&model, displacement))?;
-        let fields = PointFields::new(&model, &solution.displacement, &model.intact);
+        let fields = PointFields::new(&model, &solution.displacement, &model.integrity);
         let points = points_above(&model, &fields, dx);
         Ok(Profile {
             horizon: settings.horizon_ratio * dx,

@@ -6,18 +6,18 @@
 
 use super::{Check, Reference, VerificationError};
 use crate::geometry::Outline;
+use crate::interactions::{self, Interactions};
 use crate::material::PlaneState;
 use crate::model::PeridynamicSettings;
 use crate::peridynamics::bonds::bonds;
 use crate::peridynamics::kernel::Micromodulus;
 use crate::peridynamics::lattice::{Lattice, lattice};
 use crate::peridynamics::visibility::Visibility;
-use crate::springs::{self, Springs};
 
 /// The bonds of a square of `side` × `side` points, h_t = 1 m and E = 1 Pa.
 pub struct Square {
     pub lattice: Lattice,
-    pub bonds: Springs,
+    pub bonds: Interactions,
     pub micromodulus: Micromodulus,
     side: usize,
 }
@@ -48,7 +48,7 @@ impl Square {
         let mut c = [0.0; 5];
         for (&ends, k) in self.bonds.pairs().iter().zip(&self.bonds.stiffness) {
             if ends.contains(&(middle as u32)) {
-                let (xi, [x, y]) = springs::axis(ends, &self.lattice.positions);
+                let (xi, [x, y]) = interactions::axis(ends, &self.lattice.positions);
                 let weight = k * xi * xi / (2.0 * area);
                 let both = x * x * y * y;
                 let terms = [x.powi(4), y.powi(4), both, both, x.powi(3) * y];

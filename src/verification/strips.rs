@@ -10,13 +10,13 @@
 
 use super::{Check, Reference, VerificationError};
 use crate::geometry::Outline;
+use crate::interactions::Interactions;
 use crate::material::PlaneState;
 use crate::peridynamics::bonds::bonds;
 use crate::peridynamics::kernel::Micromodulus;
 use crate::peridynamics::lattice::{CellArea, Lattice, LatticeSettings, Placement, lattice};
 use crate::peridynamics::surface::{Surface, SurfaceCorrection};
 use crate::peridynamics::visibility::Visibility;
-use crate::springs::Springs;
 use nalgebra::{DMatrix, DVector};
 
 /// Long enough that the middle column does not see the ends.
@@ -27,7 +27,7 @@ pub fn corrected(
     correction: SurfaceCorrection,
     [region, body]: [&Outline; 2],
     micromodulus: &Micromodulus,
-) -> Result<(Lattice, Springs), VerificationError> {
+) -> Result<(Lattice, Interactions), VerificationError> {
     let spacing = micromodulus.spacing;
     let cells = LatticeSettings::upright(spacing, Placement::CellCentred, CellArea::Clipped);
     let points = lattice(region, &[], &cells);
@@ -69,7 +69,7 @@ pub fn energy_ratios(
 /// The least energy of a column [J], `strain` being that of a bond along the strip.
 fn column_energy(
     points: &Lattice,
-    bonds: &Springs,
+    bonds: &Interactions,
     rows: usize,
     strain: impl Fn([u32; 2]) -> f64,
 ) -> f64 {

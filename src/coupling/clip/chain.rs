@@ -278,7 +278,7 @@ impl Line<'_> {
                 });
             }
         }
-        clip.springs.push_interpolated(
+        clip.springs.push_clipped_bond(
             segment.map(|x| axes.global(x)),
             [&shares[0], &shares[1]],
             sub_strip.share * whole / ratio,

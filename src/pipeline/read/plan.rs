@@ -10,7 +10,7 @@ use super::yaml;
 use crate::boundary::Directions;
 use crate::fem::edge::EdgeLoad;
 use crate::fracture::control::{Control, Until};
-use crate::fracture::failure::Strength;
+use crate::fracture::laws::Strength;
 use crate::gmsh::Value;
 use crate::material::{Material, PlaneState};
 use crate::model::{Method, ModelSettings};

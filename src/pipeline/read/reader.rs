@@ -11,7 +11,7 @@ use super::source::{InputError, Source};
 use super::spec::{self, Spec};
 use crate::coupling::Coupling;
 use crate::coupling::truss::NodeArea;
-use crate::fracture::failure::Strength;
+use crate::fracture::laws::Strength;
 use crate::gmsh::Value;
 use crate::material::Material;
 use crate::meshio::MESHES;

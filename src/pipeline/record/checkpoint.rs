@@ -1,11 +1,11 @@
 //! What a killed run goes on from: the state behind its last step, as it is kept.
 
-use super::bits;
 use super::history::Line;
+use super::sparse_integrity::SparseIntegrity;
 use super::stored::fits_model;
 use crate::fracture::control::{Ending, Problem};
 use crate::fracture::event::Load;
-use crate::fracture::state::{Energy, LoadForce, State};
+use crate::fracture::state::{Change, Energy, LoadForce, State};
 use crate::statics::SystemSize;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -55,8 +55,7 @@ struct StoredState {
     reaction: Vec<[f64; 2]>,
     residual: f64,
     size: Option<[usize; 4]>,
-    #[serde(with = "bits")]
-    intact: Vec<bool>,
+    integrity: SparseIntegrity,
     fragments: Vec<Vec<usize>>,
     load_lost: bool,
     mechanisms: BTreeSet<usize>,
@@ -64,9 +63,10 @@ struct StoredState {
     stopped: Option<(String, String)>,
     energy: [f64; 3],
     force: ([f64; 4], bool),
-    broken: Vec<u32>,
     work: Vec<[f64; 2]>,
-    just_broken: Vec<(u32, f64)>,
+    /// Interaction, integrity before and after, elongation, as [`Change`] has them.
+    changes: Vec<(u32, [f64; 2], f64)>,
+    fresh: usize,
 }
 
 impl Checkpoint {
@@ -88,14 +88,14 @@ impl Checkpoint {
         let state = &self.state;
         let (nodes, springs) = (model.node_count(), model.springs.len());
         let fields = [state.displacement.as_slice(), &state.reaction];
-        let just_broken = state.just_broken.iter().map(|(spring, _)| spring);
-        let mut broken = state.broken.iter().chain(just_broken);
+        let mut changes = state.changes.iter();
         let phases = programme.phases.len();
         let is_sound =
-            |line: &Line| line.phase < phases && line.bonds_broken_total <= state.broken.len();
-        fits_model(model, &fields, &state.intact)
+            |line: &Line| line.phase < phases && line.bonds_broken_total <= state.changes.len();
+        fits_model(model, &fields, &state.integrity)
             && lines.iter().all(is_sound)
-            && broken.all(|&spring| (spring as usize) < springs)
+            && changes.all(|&(interaction, ..)| (interaction as usize) < springs)
+            && state.fresh <= state.changes.len()
             && state.fragments.iter().flatten().all(|&node| node < nodes)
             && state.mechanisms.iter().all(|&dof| dof < 2 * nodes)
             && state.phase < phases
@@ -130,7 +130,7 @@ impl From<&State> for StoredState {
             reaction: state.reaction.clone(),
             residual: state.residual,
             size: state.size.map(SystemSize::numbers),
-            intact: state.intact.clone(),
+            integrity: SparseIntegrity::new(&state.integrity),
             fragments: state.fragments.clone(),
             load_lost: state.load_lost,
             mechanisms: state.mechanisms.clone(),
@@ -138,9 +138,11 @@ impl From<&State> for StoredState {
                 .map(|(ending, reason)| (ending.describe().to_owned(), reason.clone())),
             energy: [external, elastic, dissipated],
             force: ([now, peak, first, last], is_on_top),
-            broken: state.broken.clone(),
             work: state.work.clone(),
-            just_broken: state.just_broken.clone(),
+            changes: (state.changes.iter())
+                .map(|change| (change.interaction, change.integrity, change.elongation))
+                .collect(),
+            fresh: state.fresh,
         }
     }
 }
@@ -162,7 +164,7 @@ impl From<StoredState> for State {
             reaction: stored.reaction,
             residual: stored.residual,
             size: stored.size.map(SystemSize::from_numbers),
-            intact: stored.intact,
+            integrity: stored.integrity.to_vec(),
             fragments: stored.fragments,
             load_lost: stored.load_lost,
             mechanisms: stored.mechanisms,
@@ -179,9 +181,15 @@ impl From<StoredState> for State {
                 stiffness: [first, last],
                 is_on_top,
             },
-            broken: stored.broken,
             work: stored.work,
-            just_broken: stored.just_broken,
+            changes: (stored.changes.into_iter())
+                .map(|(interaction, integrity, elongation)| Change {
+                    interaction,
+                    integrity,
+                    elongation,
+                })
+                .collect(),
+            fresh: stored.fresh,
         }
     }
 }

@@ -1,7 +1,8 @@
 //! The frames of a fracture run: states of chosen steps, kept whole in `frames/`.
 
-use super::bits;
 use super::folder::{file_error, remove};
+use super::format::{other_format, without_format};
+use super::sparse_integrity::SparseIntegrity;
 use super::stored::fits_model;
 use crate::fracture::state::State;
 use crate::model::Model;
@@ -17,10 +18,9 @@ pub(crate) const FRAMES_FOLDER: &str = "frames";
 pub struct Frame {
     pub step: usize,
     pub load_factor: f64,
-    /// [m].
+    /// Displacement of every node [m].
     pub displacement: Vec<[f64; 2]>,
-    #[serde(with = "bits")]
-    pub intact: Vec<bool>,
+    pub integrity: SparseIntegrity,
 }
 
 impl Frame {
@@ -29,13 +29,22 @@ impl Frame {
             step: state.step,
             load_factor: state.load.factor,
             displacement: model.in_space(&state.displacement),
-            intact: state.intact.clone(),
+            integrity: SparseIntegrity::new(&state.integrity),
         }
     }
 
-    /// What its numbers take in memory.
+    /// The frame that a file holds.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn from_file(bytes: &[u8]) -> Result<Frame, String> {
+        let content = without_format(bytes).map_err(other_format)?;
+        postcard::from_bytes(content).map_err(|error| error.to_string())
+    }
+
+    /// Bytes that its numbers take in memory.
     pub(crate) fn raw_bytes(&self) -> u64 {
-        (16 + 16 * self.displacement.len() + self.intact.len()) as u64
+        (16 + 16 * self.displacement.len()) as u64 + self.integrity.raw_bytes()
     }
 }
 
@@ -49,13 +58,14 @@ pub(crate) fn frame_file(step: usize) -> String {
 pub(crate) fn read_frame(folder: &Path, model: &Model, step: usize) -> Result<Frame, RunError> {
     let path = folder.join(frame_file(step));
     let bytes = fs::read(&path).map_err(|source| file_error("read", &path, source))?;
-    let damaged = |error| file_error("read", &path, std::io::Error::other(error));
-    let frame: Frame = postcard::from_bytes(&bytes).map_err(|error| damaged(error.to_string()))?;
-    match fits_model(model, &[&frame.displacement], &frame.intact) {
+    let refused = |why: String| {
+        let why = format!("{why}; --force runs anew");
+        file_error("read", &path, std::io::Error::other(why))
+    };
+    let frame = Frame::from_file(&bytes).map_err(refused)?;
+    match fits_model(model, &[&frame.displacement], &frame.integrity) {
         true => Ok(frame),
-        false => Err(damaged(
-            "it is of another model; --force runs anew".to_owned(),
-        )),
+        false => Err(refused("it is of another model".to_owned())),
     }
 }
 

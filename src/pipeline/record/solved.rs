@@ -1,7 +1,7 @@
 //! What the solve stage delivers, and the form in which it is kept.
 
-use super::bits;
 use super::history::Line;
+use super::sparse_integrity::SparseIntegrity;
 use super::stored::fits_model;
 use crate::fracture::control::Ending;
 use crate::model::Model;
@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 pub struct Solved {
     /// The last state.
     pub solution: Solution,
-    /// The springs that are intact in it.
-    pub intact: Vec<bool>,
+    /// Integrity φ of every interaction in it [-].
+    pub integrity: Vec<f64>,
     /// How a fracture run got there.
     pub fracture: Option<Course>,
 }
@@ -37,8 +37,7 @@ pub(crate) struct StoredSolution {
     reaction: Vec<[f64; 2]>,
     residual: f64,
     size: [usize; 4],
-    #[serde(with = "bits")]
-    intact: Vec<bool>,
+    integrity: SparseIntegrity,
     fracture: Option<StoredFracture>,
 }
 
@@ -56,7 +55,11 @@ pub(crate) struct StoredFracture {
 impl StoredSolution {
     /// Whether it can be a solution of this model.
     pub fn fits(&self, model: &Model) -> bool {
-        fits_model(model, &[&self.displacement, &self.reaction], &self.intact)
+        fits_model(
+            model,
+            &[&self.displacement, &self.reaction],
+            &self.integrity,
+        )
     }
 }
 
@@ -74,7 +77,7 @@ impl From<&Solved> for StoredSolution {
             reaction: solved.solution.reaction.clone(),
             residual: solved.solution.residual,
             size: solved.solution.size.numbers(),
-            intact: solved.intact.clone(),
+            integrity: SparseIntegrity::new(&solved.integrity),
             fracture: solved.fracture.as_ref().map(fracture),
         }
     }
@@ -97,7 +100,7 @@ impl From<StoredSolution> for Solved {
         };
         Solved {
             solution,
-            intact: stored.intact,
+            integrity: stored.integrity.to_vec(),
             fracture: stored.fracture.map(course),
         }
     }

@@ -2,9 +2,11 @@
 //! forged: what cannot be read is taken for missing, and what does not fit the model likewise.
 
 use super::checkpoint::Checkpoint;
+use super::format::without_format;
 use super::frames::Frame;
 use super::history::Line;
 use super::solved::StoredSolution;
+use super::sparse_integrity::SparseIntegrity;
 use super::stamp::Manifest;
 use super::writer::unsealed;
 use crate::gmsh::Extract;
@@ -19,11 +21,15 @@ pub(crate) fn read_stored<T: for<'de> Deserialize<'de>>(path: &Path) -> Option<(
     Some((postcard::from_bytes(&bytes).ok()?, bytes))
 }
 
-/// Whether there is a number for every node and a flag for every spring.
-pub(crate) fn fits_model(model: &Model, nodes: &[&[[f64; 2]]], intact: &[bool]) -> bool {
+/// Whether there is a number for every node and an integrity for every interaction.
+pub(crate) fn fits_model(
+    model: &Model,
+    nodes: &[&[[f64; 2]]],
+    integrity: &SparseIntegrity,
+) -> bool {
     let counts = nodes.iter().map(|values| values.len());
     counts.into_iter().all(|count| count == model.node_count())
-        && intact.len() == model.springs.len()
+        && integrity.fits(model.springs.len())
 }
 
 /// The kinds of stored files.
@@ -56,9 +62,10 @@ impl Kind {
             Kind::Mesh => postcard::from_bytes::<Extract>(bytes)
                 .is_ok_and(|extract| extract.to_mesh(1e-3).is_ok()),
             Kind::Solution => is::<StoredSolution>(bytes),
-            Kind::Frame => is::<Frame>(bytes),
+            Kind::Frame => Frame::from_file(bytes).is_ok(),
             // What the seal lets through, and what a forger could seal.
             Kind::Checkpoint => {
+                let bytes = without_format(bytes).unwrap_or(bytes);
                 let inside = bytes.get(32..).unwrap_or_default();
                 is::<Checkpoint>(unsealed(bytes).unwrap_or(inside))
             }

@@ -4,6 +4,7 @@
 
 use super::checkpoint::{Checkpoint, Ledger};
 use super::folder::{file_error, remove};
+use super::format::{with_format, without_format};
 use super::frames::{Frame, encode, frame_file};
 use super::history::Line;
 use super::stamp;
@@ -130,7 +131,7 @@ impl Desk {
             let trace = phases.trace().clone();
             let write = || {
                 Made::measured(frame_file(frame.step), &trace, |name| {
-                    let bytes = encode(&**frame);
+                    let bytes = with_format(&encode(&**frame));
                     ledger.add_frame(&stamp::hash(&bytes));
                     write_whole(&folder.join(name), &bytes)?;
                     Ok::<_, RunError>([frame.raw_bytes(), bytes.len() as u64])
@@ -142,7 +143,7 @@ impl Desk {
             checkpoint.ledger = ledger.close();
             let path = folder.join(CHECKPOINT_FILE);
             phases.measure("checkpoints", || {
-                write_whole(&path, &sealed(&encode(&*checkpoint)))
+                write_whole(&path, &with_format(&sealed(&encode(&*checkpoint))))
             })?;
         }
         Ok(())
@@ -199,10 +200,16 @@ pub(crate) fn forget_checkpoint(folder: &Path) -> Result<(), RunError> {
     Ok(())
 }
 
-/// The checkpoint that an interrupted run has left.
-pub(crate) fn read_checkpoint(folder: &Path) -> Option<Checkpoint> {
-    let bytes = fs::read(folder.join(CHECKPOINT_FILE)).ok()?;
-    postcard::from_bytes(unsealed(&bytes)?).ok()
+/// The checkpoint that an interrupted run has left; none where it is damaged.
+///
+/// # Errors
+/// The number of another version's format.
+pub(crate) fn read_checkpoint(folder: &Path) -> Result<Option<Checkpoint>, u8> {
+    let Ok(bytes) = fs::read(folder.join(CHECKPOINT_FILE)) else {
+        return Ok(None);
+    };
+    let content = unsealed(without_format(&bytes)?);
+    Ok(content.and_then(|content| postcard::from_bytes(content).ok()))
 }
 
 /// The hash of a text before it: what a loss of power or a bad disk leaves of it is not taken for a state.

@@ -42,7 +42,7 @@ impl Reel {
             let body = Deformed::by(view.exaggeration, model, &frame.displacement);
             FieldPicture {
                 in_view: view.bounds.to_vec(),
-                ..damage_picture(plan, &body, Some(frame.step), &frame.intact)
+                ..damage_picture(plan, &body, Some(frame.step), &frame.integrity.to_vec())
             }
         };
         let last = steps.last().map(read).transpose()?;

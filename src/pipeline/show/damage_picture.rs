@@ -4,7 +4,7 @@
 
 use super::deformed::Deformed;
 use super::maps::title;
-use crate::fracture::state;
+use crate::fields::damage::damage;
 use crate::output::picture::FieldPicture;
 use crate::pipeline::read::plan::Plan;
 
@@ -16,9 +16,9 @@ pub(crate) fn damage_picture(
     plan: &Plan,
     body: &Deformed,
     step: Option<usize>,
-    intact: &[bool],
+    integrity: &[f64],
 ) -> FieldPicture {
-    let damage = state::damage(body.model, intact);
+    let damage = damage(body.model, integrity);
     FieldPicture {
         title: title(plan, "damage", step),
         quantity: "damage".to_owned(),

@@ -17,6 +17,7 @@ use crate::pipeline::account::made::Made;
 use crate::pipeline::error::ResultsError;
 use crate::pipeline::read::spec::{Format, PictureKind};
 use crate::pipeline::record::frames::Frame;
+use crate::pipeline::record::sparse_integrity::SparseIntegrity;
 use crate::trace::Trace;
 use rayon::ThreadPoolBuilder;
 use std::path::{Path, PathBuf};
@@ -45,7 +46,7 @@ enum Order {
 struct Latest {
     step: usize,
     displacement: Vec<[f64; 2]>,
-    intact: Vec<bool>,
+    integrity: SparseIntegrity,
 }
 
 /// The end of the queue at which orders are given; idle if there is no thread to be had.
@@ -111,7 +112,7 @@ impl<'scope> Drafter<'scope> {
     /// Draws the latest state if bonds have broken and the last picture is old.
     pub fn latest(&mut self, parts: Parts, state: &State) {
         let is_new = (self.drawn).is_some_and(|drawn| drawn.elapsed() < LATEST_EVERY);
-        let is_whole = state.intact == parts.model.intact;
+        let is_whole = state.integrity == parts.model.integrity;
         let output = &parts.plan.output;
         let is_wanted =
             output.pictures.wants(PictureKind::Damage) && output.formats.contains(&Format::Png);
@@ -121,7 +122,7 @@ impl<'scope> Drafter<'scope> {
         let latest = Latest {
             step: state.step,
             displacement: state.displacement.clone(),
-            intact: state.intact.clone(),
+            integrity: SparseIntegrity::new(&state.integrity),
         };
         if self.orders.try_send(Order::Latest(latest)).is_ok() {
             self.drawn = Some(Instant::now());
@@ -173,9 +174,9 @@ impl Desk<'_> {
                     let Latest {
                         step,
                         displacement,
-                        intact,
+                        integrity,
                     } = latest;
-                    self.damage(file, &folder, step, &displacement, &intact);
+                    self.damage(file, &folder, step, &displacement, &integrity);
                     // Of no state in particular.
                     self.drafts.made.truncate(made);
                 }
@@ -199,10 +200,10 @@ impl Desk<'_> {
             let file = Sheet::DamageAt(frame.step).file(Format::Png);
             let Frame {
                 displacement,
-                intact,
+                integrity,
                 ..
             } = frame;
-            self.damage(file, &folder, frame.step, displacement, intact);
+            self.damage(file, &folder, frame.step, displacement, integrity);
         }
     }
 
@@ -212,12 +213,12 @@ impl Desk<'_> {
         folder: &Path,
         step: usize,
         displacement: &[[f64; 2]],
-        intact: &[bool],
+        integrity: &SparseIntegrity,
     ) {
         let path = folder.join(&file);
         self.picture(file, |parts| {
             let body = Deformed::new(parts.model, displacement);
-            let picture = damage_picture(parts.plan, &body, Some(step), intact);
+            let picture = damage_picture(parts.plan, &body, Some(step), &integrity.to_vec());
             put(&picture.compose()?, Format::Png, &path)
         });
     }

@@ -108,7 +108,7 @@ pub(crate) fn stress_map(
 ) -> FieldPicture {
     let body = Deformed::new(model, &frame.displacement);
     let nodal = NodalFields::new(model, &frame.displacement);
-    let points = PointFields::new(model, &frame.displacement, &frame.intact);
+    let points = PointFields::new(model, &frame.displacement, &frame.integrity.to_vec());
     let [words, symbol] = measure.names();
     FieldPicture {
         title: title(plan, words, step),

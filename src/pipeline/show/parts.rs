@@ -1,8 +1,9 @@
 //! A moment of a run as VTU parts: finite elements, material points, bonds.
 
+use crate::fields::damage::damage;
 use crate::fields::points::PointFields;
 use crate::fields::{NodalFields, stretches};
-use crate::fracture::state;
+use crate::interactions::InteractionKind;
 use crate::model::Model;
 use crate::output::field::{Field, FieldName};
 use crate::output::pvd;
@@ -160,8 +161,9 @@ impl Parts<'_> {
             .iter()
             .map(|a| a * model.settings.thickness)
             .collect();
+        let integrity = frame.integrity.to_vec();
         let PointFields { strain, stress } =
-            PointFields::new(model, &frame.displacement, &frame.intact);
+            PointFields::new(model, &frame.displacement, &integrity);
         if self.wants(OutputField::Stress) {
             part.point_data
                 .push(Field::symmetric_tensor(FieldName::Stress, stress));
@@ -171,7 +173,7 @@ impl Parts<'_> {
                 .push(Field::symmetric_tensor(FieldName::Strain, strain));
         }
         if has_damage(self.plan) {
-            let damage = state::damage(model, &frame.intact);
+            let damage = damage(model, &integrity);
             part.point_data
                 .push(Field::scalar(FieldName::Damage, damage));
         }
@@ -197,7 +199,7 @@ impl Parts<'_> {
         let mut u = frame.displacement.clone();
         let mut ends: Vec<[usize; 2]> = Vec::with_capacity(stiff.len());
         for &s in &stiff {
-            if let Some(pair) = model.springs.pairs().get(s) {
+            if let Some(pair) = model.springs.pair(s) {
                 ends.push(pair.map(|n| n as usize));
             } else {
                 // Interpolated ends are points of their own.
@@ -215,7 +217,7 @@ impl Parts<'_> {
         let of_stiff = |values: &[f64]| stiff.iter().map(|&s| values[s]).collect();
         let is_truss = stiff
             .iter()
-            .map(|&s| i32::from(model.is_truss(s)))
+            .map(|&s| i32::from(model.springs.kind(s) == InteractionKind::Truss))
             .collect();
         part.cell_data = vec![
             Field::scalar(FieldName::Stretch, of_stiff(&all)),
@@ -223,7 +225,8 @@ impl Parts<'_> {
             Field::integer(FieldName::Truss, is_truss),
         ];
         if has_damage(self.plan) {
-            let intact = stiff.iter().map(|&s| i32::from(frame.intact[s]));
+            let integrity = frame.integrity.to_vec();
+            let intact = stiff.iter().map(|&s| i32::from(integrity[s] > 0.0));
             let intact = Field::integer(FieldName::Intact, intact.collect());
             part.cell_data.push(intact);
         }

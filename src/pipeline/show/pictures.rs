@@ -14,6 +14,7 @@ use crate::pipeline::error::RunError;
 use crate::pipeline::read::spec::{Format, PictureKind};
 use crate::pipeline::record::frames::{Frame, read_frame};
 use crate::pipeline::record::solved::Course;
+use crate::pipeline::record::sparse_integrity::SparseIntegrity;
 use crate::trace::Trace;
 use std::borrow::Cow;
 use std::path::Path;
@@ -157,12 +158,12 @@ impl Outcome<'_> {
             }
             (Sheet::Damage, _) => {
                 let body = Deformed::new(model, u);
-                damage_picture(plan, &body, last_step, &solved.intact).compose()
+                damage_picture(plan, &body, last_step, &solved.integrity).compose()
             }
             (Sheet::DamageAt(step), _) => {
                 let frame = read_frame(&plan.folder, model, step)?;
                 let body = Deformed::new(model, &frame.displacement);
-                damage_picture(plan, &body, Some(step), &frame.intact).compose()
+                damage_picture(plan, &body, Some(step), &frame.integrity.to_vec()).compose()
             }
             (Sheet::Mesh | Sheet::LoadDisplacement | Sheet::Energies, _) => {
                 mesh_picture(plan, model).compose()
@@ -180,7 +181,7 @@ impl Outcome<'_> {
                 step: 0,
                 load_factor: 1.0,
                 displacement: solved.solution.displacement.clone(),
-                intact: solved.intact.clone(),
+                integrity: SparseIntegrity::new(&solved.integrity),
             }),
         }
     }

@@ -10,6 +10,7 @@ use crate::pipeline::error::ResultsError;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::spec::Format;
 use crate::pipeline::record::frames::{Frame, read_frame};
+use crate::pipeline::record::sparse_integrity::SparseIntegrity;
 use crate::trace::Trace;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -69,7 +70,7 @@ impl Workshop<'_> {
                 step: 0,
                 load_factor: 1.0,
                 displacement: solved.solution.displacement.clone(),
-                intact: solved.intact.clone(),
+                integrity: SparseIntegrity::new(&solved.integrity),
             }),
         }
     }

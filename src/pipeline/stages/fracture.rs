@@ -3,10 +3,11 @@
 //! factorisations is a function of the state at the first.
 
 use super::run::{Observer, Step};
-use super::validate::{limits, programme};
+use super::validate::{laws, programme};
 use crate::fracture::control::{self, Ending, Problem, Record, Resolution};
+use crate::fracture::crack_length::crack_lengths;
 use crate::fracture::response::Response;
-use crate::fracture::state::{Limits, State};
+use crate::fracture::state::State;
 use crate::model::Model;
 use crate::phases::Phases;
 use crate::pipeline::error::RunError;
@@ -14,17 +15,17 @@ use crate::pipeline::read::plan::{Loading, Plan};
 use crate::pipeline::read::spec::Output;
 use crate::pipeline::record::checkpoint::{Checkpoint, Ledger};
 use crate::pipeline::record::folder::file_error;
+use crate::pipeline::record::format::other_format;
 use crate::pipeline::record::frames::{FRAMES_FOLDER, Frame, encode, forget_frames, frame_file};
 use crate::pipeline::record::history::{Line, header};
 use crate::pipeline::record::stamp;
 use crate::pipeline::record::writer::{
-    Order, Scribe, Written, begin_history, read_checkpoint, read_journal,
+    CHECKPOINT_FILE, Order, Scribe, Written, begin_history, read_checkpoint, read_journal,
 };
 use crate::pipeline::show::drafter::{Drafter, Drafts};
 use crate::pipeline::show::parts::Parts;
 use crate::statics::{Solution, Solver};
 use crate::trace::Kind;
-use rayon::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -43,8 +44,8 @@ pub(crate) struct Fractured {
     pub reason: Option<String>,
     /// The last state.
     pub solution: Solution,
-    /// The springs that are intact in it.
-    pub intact: Vec<bool>,
+    /// Integrity φ of every interaction in it [-].
+    pub integrity: Vec<f64>,
     /// Frames and the like, as they went to the disk.
     pub written: Written,
     /// Files of the output stage that are there already.
@@ -81,14 +82,21 @@ pub(crate) fn run(
     let problem = Problem {
         model,
         programme: &programme(plan, model)?,
-        limits: &limits(plan, model),
+        laws: &laws(plan, model),
         control: loading.control,
         until: loading.until,
         resolution: task.resolution,
     };
     let recipe = format!("{} {:?}", task.recipe, task.resolution);
     let mut chronicle = Chronicle::new(plan, &problem, stamp::hash(recipe.as_bytes()));
-    let (resumed, ledger) = match chronicle.resume()? {
+    let checkpoint = read_checkpoint(&plan.folder).unwrap_or_else(|found| {
+        let why = other_format(found);
+        observer.warns(&format!(
+            "{CHECKPOINT_FILE} is refused: {why}; the run begins anew"
+        ));
+        None
+    });
+    let (resumed, ledger) = match chronicle.resume(checkpoint)? {
         Some((state, ledger)) => (Some(state), ledger),
         None => (None, Ledger::default()),
     };
@@ -167,11 +175,11 @@ fn step(problem: &Problem, line: &Line, steps_per_second: f64) -> Step {
 
 /// A load that could not break a bond, told with what it has reached.
 fn nothing_broke(problem: &Problem, state: &State) -> Option<String> {
-    let Problem { model, limits, .. } = problem;
-    if state.step == 0 || !state.broken.is_empty() {
+    let Problem { model, laws, .. } = problem;
+    if state.step == 0 || !state.changes.is_empty() {
         return None;
     }
-    let (spring, utilisation) = state.most_strained(model, limits)?;
+    let (spring, utilisation) = state.most_strained(model, laws)?;
     let [a, b] = model.springs.segment(spring, &model.positions);
     let [x, y] = [0, 1].map(|axis| 500.0 * (a[axis] + b[axis]));
     Some(format!(
@@ -206,10 +214,10 @@ struct Chronicle<'a> {
 
 impl<'a> Chronicle<'a> {
     fn new(plan: &'a Plan, problem: &'a Problem<'a>, recipe: String) -> Chronicle<'a> {
-        let crack_lengths = crack_lengths(problem.model, problem.limits);
-        let severed = (problem.model.intact.iter())
+        let crack_lengths = crack_lengths(problem.model, problem.laws);
+        let severed = (problem.model.integrity.iter())
             .zip(&crack_lengths)
-            .filter(|(intact, _)| !**intact);
+            .filter(|(phi, _)| **phi == 0.0);
         let initial_length = severed.map(|(_, length)| length).sum();
         Chronicle {
             plan,
@@ -223,9 +231,12 @@ impl<'a> Chronicle<'a> {
     }
 
     /// The state of the checkpoint, if it is of this recipe; history and frames go on from there.
-    fn resume(&mut self) -> Result<Option<(State, Ledger)>, RunError> {
+    fn resume(
+        &mut self,
+        checkpoint: Option<Checkpoint>,
+    ) -> Result<Option<(State, Ledger)>, RunError> {
         let folder = &self.plan.folder;
-        let stored = read_checkpoint(folder).filter(|found| found.recipe == self.recipe);
+        let stored = checkpoint.filter(|found| found.recipe == self.recipe);
         let stored = stored.and_then(|checkpoint| {
             let lines = read_journal(folder, checkpoint.lines)?;
             let ledger = ledger(folder, &lines, &checkpoint.frames)?;
@@ -274,8 +285,11 @@ impl<'a> Chronicle<'a> {
             .resultants(programme.phases.len(), state.load);
         let before = self.history.last();
         let length = before.map_or(self.initial_length, |line| line.crack_length);
-        let broken = &state.broken[before.map_or(0, |line| line.bonds_broken_total)..];
-        let grown = broken.iter().map(|&bond| self.crack_lengths[bond as usize]);
+        let changes = &state.changes[state.changes.len() - record.changed..];
+        let grown = changes.iter().map(|change| {
+            let [phi, next] = change.integrity;
+            (phi - next) * self.crack_lengths[change.interaction as usize]
+        });
         Line {
             step: state.step,
             phase: state.phase,
@@ -290,7 +304,7 @@ impl<'a> Chronicle<'a> {
             dissipated_energy: state.energy.dissipated,
             external_work: state.energy.external,
             bonds_broken: record.broken,
-            bonds_broken_total: state.broken.len(),
+            bonds_broken_total: before.map_or(0, |line| line.bonds_broken_total) + record.broken,
             passes: record.passes,
             residual: record.residual,
             crack_length: length + grown.sum::<f64>(),
@@ -327,7 +341,7 @@ impl Writer<'_, '_> {
     fn step(&mut self, state: &State, record: Record, response: &Response) -> Result<(), RunError> {
         let start = Instant::now();
         let Chronicle { plan, problem, .. } = self.chronicle;
-        let first_break = record.broken > 0 && state.broken.len() == record.broken;
+        let first_break = record.changed > 0 && state.changes.len() == record.changed;
         let line = self.chronicle.line(state, record, response);
         self.chronicle.history.push(line.clone());
         let Output {
@@ -408,7 +422,7 @@ impl Writer<'_, '_> {
             ending,
             fragments: state.fragments.iter().map(Vec::len).collect(),
             reason: state.stopped.as_ref().map(|(_, reason)| reason.clone()),
-            intact: state.intact.clone(),
+            integrity: state.integrity.clone(),
             solution: Solution {
                 displacement: model.in_space(&state.displacement),
                 reaction: model.in_space(&state.reaction),
@@ -419,29 +433,4 @@ impl Writer<'_, '_> {
             drafts,
         })
     }
-}
-
-/// ½ k (ξ s_t)² / (G h_t) of every spring, with G = c0 s_t² M3: the length of crack that its breaking
-/// stands for [m]; zero where it never breaks.
-fn crack_lengths(model: &Model, limits: &Limits) -> Vec<f64> {
-    let length = |spring: usize| {
-        let regions = model.regions_of_spring(spring);
-        let points = regions.and_then(|[r, _]| model.points_of(r));
-        let breakable = limits.of(spring).tension.is_finite();
-        let Some(points) = points.filter(|_| breakable) else {
-            return 0.0;
-        };
-        let xi = model.springs.length(spring, &model.positions);
-        // The critical stretch cancels.
-        let stiffness = model.springs.stiffness[spring];
-        // A part of a clipped bond takes the energy of the whole.
-        let energy = 0.5 * stiffness * xi * xi / model.length_share(spring).min(1.0);
-        let c0 = model.material_factor(spring) * points.micromodulus.c0;
-        let rate = c0 * points.micromodulus.third_moment();
-        energy / (rate * model.settings.thickness)
-    };
-    (0..model.springs.len())
-        .into_par_iter()
-        .map(length)
-        .collect()
 }

@@ -394,7 +394,7 @@ impl Run<'_> {
             fragments,
             reason,
             solution,
-            intact,
+            integrity,
             written,
             drafts,
         } = fracture::run(&task, self.observer, &mut costs.phases)?;
@@ -409,7 +409,7 @@ impl Run<'_> {
         self.draft = draft.map(|folder| (folder, made));
         Ok(Solved {
             solution,
-            intact,
+            integrity,
             fracture: Some(Course {
                 history,
                 frames,
@@ -556,7 +556,7 @@ fn solve_once(
     let solution = statics::solve_by(model, boundary, method, phases)?;
     Ok(Solved {
         solution,
-        intact: model.intact.clone(),
+        integrity: model.integrity.clone(),
         fracture: None,
     })
 }
@@ -567,7 +567,8 @@ fn describe(model: &Model, solved: &Solved) -> String {
     let (ties, what) = model.ties();
     let size = format!(
         "{} unknowns, {} bonds, {ties} {what}",
-        size.dofs, model.bond_count
+        size.dofs,
+        model.springs.bonds().len()
     );
     match &solved.fracture {
         None => format!("{size}; residual {residual:.0e}"),

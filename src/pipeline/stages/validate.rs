@@ -2,17 +2,14 @@
 
 use crate::boundary::{Boundary, BoundaryError};
 use crate::cracks::Cracks;
-use crate::fracture::failure::CriticalStretch;
+use crate::fracture::laws::{BondLaws, Breakable, Strength};
 use crate::fracture::programme::{LoadPhase, Programme};
-use crate::fracture::state::Limits;
 use crate::geometry::Outline;
 use crate::mesh::Mesh;
-use crate::model::{self, Method, Model, ModelError, Region};
+use crate::model::{self, Model, ModelError, Region};
 use crate::pipeline::read::plan::{Condition, Displaced, Plan, Probe};
 use crate::pipeline::read::source::{InputError, choices, quoted};
 use crate::support::{self, NotHeld};
-use rayon::prelude::*;
-use std::collections::BTreeMap;
 
 /// Builds the model and its boundary conditions and checks that the body is held.
 ///
@@ -239,65 +236,16 @@ fn cracks(plan: &Plan, mesh: &Mesh) -> Result<Cracks, InputError> {
     Ok(Cracks::new(mesh, &edges))
 }
 
-/// The critical stretch of every bond and truss. Bonds with an end in a `no_fail` surface never
-/// break, nor do trusses unless the pipeline says so, nor what clipping leaves between two sides of
-/// finite elements. A part of a clipped bond takes the energy of the whole.
-pub fn limits(plan: &Plan, model: &Model) -> Limits {
-    let unbreakable = unbreakable_points(plan, model);
-    let mut table = vec![CriticalStretch::UNBREAKABLE];
-    let mut class_of = vec![0; model.regions.len()];
-    for (index, planned) in plan.regions.iter().enumerate() {
-        if let (Some(strength), Method::Peridynamics(settings)) = (planned.strength, planned.method)
-        {
-            class_of[index] = table.len();
-            let material = &planned.material;
-            let micromodulus = settings.micromodulus(material, plan.model.plane);
-            table.push(CriticalStretch::new(
-                strength,
-                material.young,
-                &micromodulus,
-            ));
-        }
-    }
-    // A bond between two materials breaks when the weaker one would.
-    let own = table.len();
-    for first in 0..own {
-        table.extend(
-            (0..own)
-                .map(|second| table[first].weaker(table[second]))
-                .collect::<Vec<_>>(),
-        );
-    }
-    let class = |spring: usize| {
-        let is_truss = model.is_truss(spring);
-        let mut nodes = model.springs.nodes(spring).iter();
-        let held = nodes.any(|&node| unbreakable[node as usize]);
-        if held || (is_truss && !plan.trusses_break) {
-            return 0;
-        }
-        // An end in finite elements counts as the other's material.
-        let regions = model.regions_of_spring(spring);
-        regions.map_or(0, |[a, b]| match [class_of[a], class_of[b]] {
-            [first, second] if first == second => first as u32,
-            [first, second] => (own * (1 + first) + second) as u32,
-        })
+/// The law of every interaction. Bonds with an end in a `no_fail` surface never break, nor do trusses
+/// unless the pipeline says so.
+pub fn laws(plan: &Plan, model: &Model) -> BondLaws {
+    let strengths: Vec<Option<Strength>> = plan.regions.iter().map(|r| r.strength).collect();
+    let breakable = Breakable {
+        strengths: &strengths,
+        unbreakable: &unbreakable_points(plan, model),
+        trusses: plan.trusses_break,
     };
-    let mut class: Vec<u32> = (0..model.springs.len())
-        .into_par_iter()
-        .map(class)
-        .collect();
-    let mut of_parts: BTreeMap<(u32, u64), u32> = BTreeMap::new();
-    for (spring, class) in class.iter_mut().enumerate() {
-        let t = model.length_share(spring);
-        if t < 1.0 && *class != 0 {
-            let whole = *class;
-            *class = *of_parts.entry((whole, t.to_bits())).or_insert_with(|| {
-                table.push(table[whole as usize].of_part(t));
-                table.len() as u32 - 1
-            });
-        }
-    }
-    Limits { table, class }
+    BondLaws::of_model(model, &breakable)
 }
 
 fn check_no_fail(plan: &Plan, mesh: &Mesh) -> Result<(), InputError> {

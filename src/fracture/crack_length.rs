@@ -1,0 +1,30 @@
+//! The length of crack that the breaking of an interaction stands for.
+
+use super::laws::BondLaws;
+use crate::model::Model;
+use rayon::prelude::*;
+
+/// ½ k (ξ s_t)² / (G h_t) of every interaction, with G = c0 s_t² M3 [m]; zero where it never breaks in
+/// tension. Summed over the bonds that cross a cut this is the length of the cut.
+pub fn crack_lengths(model: &Model, laws: &BondLaws) -> Vec<f64> {
+    let length = |interaction: usize| {
+        let regions = model.regions_of_spring(interaction);
+        let points = regions.and_then(|[r, _]| model.points_of(r));
+        let breaks = laws.first_limits(interaction).tension.is_finite();
+        let Some(points) = points.filter(|_| breaks) else {
+            return 0.0;
+        };
+        let xi = model.springs.length(interaction, &model.positions);
+        // The critical stretch cancels.
+        let stiffness = model.springs.stiffness[interaction];
+        // A part of a clipped bond takes the energy of the whole.
+        let energy = 0.5 * stiffness * xi * xi / model.length_share(interaction).min(1.0);
+        let c0 = model.material_factor(interaction) * points.micromodulus.c0;
+        let rate = c0 * points.micromodulus.third_moment();
+        energy / (rate * model.settings.thickness)
+    };
+    (0..model.springs.len())
+        .into_par_iter()
+        .map(length)
+        .collect()
+}

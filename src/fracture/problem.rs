@@ -1,0 +1,62 @@
+//! What is to be run: body, loads, bond laws, and how the load grows.
+
+use super::laws::BondLaws;
+use super::programme::Programme;
+use crate::model::Model;
+use crate::statics::Method;
+
+/// The three controls.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Control {
+    /// One solve per load step; all bonds over their limit break, then the next step: Qian et al.
+    /// (2021), section 4.2.
+    OnePass,
+    /// Solves again at the same load until no bond breaks.
+    Equilibrium {
+        /// More passes than these at one load end the run.
+        most_passes: usize,
+    },
+    /// Scales the load to the next bond's limit: no step size, snap-back is traced.
+    EventDriven,
+}
+
+/// Where a run ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Until {
+    /// Load steps, or events.
+    pub steps: usize,
+    /// Whether the separation of the body ends the run.
+    pub separated: bool,
+}
+
+/// Everything that a run needs and does not change.
+pub struct Problem<'a> {
+    pub model: &'a Model,
+    pub programme: &'a Programme,
+    pub laws: &'a BondLaws,
+    pub control: Control,
+    pub until: Until,
+    pub resolution: Resolution,
+}
+
+/// How the response is found after bonds have broken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Resolution {
+    /// By updates of the last factorisation, as long as they do.
+    #[default]
+    Fast,
+    /// By a factorisation for every response: what all else is checked against.
+    Reference,
+    /// By conjugate gradients on two levels, as large lattices are solved, whatever the size.
+    TwoLevel,
+}
+
+impl Resolution {
+    /// How systems are to be solved; `None`: whichever way their size suggests.
+    pub fn method(self) -> Option<Method> {
+        match self {
+            Resolution::Fast | Resolution::Reference => None,
+            Resolution::TwoLevel => Some(Method::TwoLevel),
+        }
+    }
+}

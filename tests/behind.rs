@@ -1,5 +1,5 @@
-//! Files that are written behind the solve: the same bytes as without, in the same order, and errors that
-//! end the run once.
+//! Files that are written beside the solve and on several threads: the same bytes as on one thread, and errors
+//! that end the run once.
 
 mod workplace;
 
@@ -20,30 +20,22 @@ fn run(threads: &str) -> (Workplace, Value) {
     (place, serde_json::from_slice(&summary).expect("JSON"))
 }
 
-/// On one thread nothing is drafted, on two what there is time for.
+/// Which thread writes a file does not show in it.
 #[test]
-fn drafts_are_the_same_files() {
-    let [(alone, plain), (behind, drafted)] = ["1", "2"].map(run);
-    assert_eq!(plain["written"]["made_behind_the_solve"], 0);
-    // The mesh's picture, and the frame before the first step at least.
-    let count = drafted["written"]["made_behind_the_solve"].as_u64();
-    assert!(count >= Some(4), "{count:?}");
-    assert_eq!(plain["files"], drafted["files"]);
-    for file in plain["files"]
-        .as_array()
-        .expect("files")
-        .iter()
-        .filter_map(Value::as_str)
-    {
+fn one_thread_and_two_write_the_same_files() {
+    let [(one, of_one), (two, of_two)] = ["1", "2"].map(run);
+    assert_eq!(of_one["files"], of_two["files"]);
+    let files = of_one["files"].as_array().expect("files").iter();
+    for file in files.filter_map(Value::as_str) {
         let file = format!("results/plate/{file}");
         assert!(
-            file.ends_with("summary.json") || alone.read(&file) == behind.read(&file),
+            file.ends_with("summary.json") || one.read(&file) == two.read(&file),
             "{file}"
         );
     }
     let raw = |summary: &Value| summary["written"]["vtu"]["raw_bytes"].clone();
-    assert_eq!(raw(&plain), raw(&drafted));
-    for place in [alone, behind] {
+    assert_eq!(raw(&of_one), raw(&of_two));
+    for place in [one, two] {
         assert!(!place.path("results/plate/.draft").exists());
     }
 }
@@ -93,9 +85,9 @@ fn a_full_disk_ends_the_run_once_and_leaves_no_half_file() {
     place.call(&["run", "plate.yaml"]).succeeded();
 }
 
-/// A part with bonds takes some 180 kB, all else under 100. What could not be drafted is tried again by the output stage, which tells.
+/// A part with bonds takes some 180 kB, all else under 100.
 #[test]
-fn a_draft_that_does_not_fit_is_told_by_the_output_stage() {
+fn a_part_that_does_not_fit_ends_the_output_stage_and_the_solve_stands() {
     let place = Workplace::with_plate();
     let with_bonds = ["--threads", "2", "--set", "output.bonds=true"];
     let ended = limited(&place, 130, &with_bonds);
@@ -113,7 +105,6 @@ fn a_draft_that_does_not_fit_is_told_by_the_output_stage() {
     );
     assert_eq!(halves(&place), [""; 0]);
     assert!(!place.path("results/plate/.draft").exists());
-    // The solve stands.
     let ended = place
         .call(&[&["run", "plate.yaml"], &with_bonds[..]].concat())
         .succeeded();

@@ -76,7 +76,7 @@ fn events_are_complete_and_nest() {
         rows.keys().eq(names.keys()),
         "every row has a name: {names:?}"
     );
-    for name in ["main", "writer", "drafter"] {
+    for name in ["main", "writer"] {
         assert!(names.values().any(|known| known == name), "{names:?}");
     }
     for row in rows.values() {
@@ -140,7 +140,7 @@ fn spans_sum_to_the_summary() {
         }
         let mut told = phases(&summary["phases"]);
         assert!(told.remove("other").is_some());
-        // VTU and pictures are made on both sides.
+        // The writer has its own.
         for (name, (seconds, count)) in phases(&summary["behind"]) {
             let told = told.entry(name).or_default();
             *told = (told.0 + seconds, told.1 + count);

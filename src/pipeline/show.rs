@@ -4,7 +4,7 @@ pub mod animation;
 pub mod charts;
 pub mod damage_picture;
 pub mod deformed;
-pub mod drafter;
+pub mod live_picture;
 pub mod maps;
 pub mod mesh_picture;
 pub mod parts;

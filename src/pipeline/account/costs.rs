@@ -19,8 +19,6 @@ pub struct Costs {
     pub frames: Value,
     /// Results of the output stage.
     pub made: Vec<Made>,
-    /// How many of these were made behind the solve.
-    pub drafted: usize,
     /// The most memory that the process had held by then [bytes].
     pub peak_memory: Option<u64>,
 }
@@ -33,7 +31,6 @@ impl Costs {
             self.frames = costs.frames;
         }
         self.made.extend(costs.made);
-        self.drafted += costs.drafted;
         self.peak_memory = self.peak_memory.max(costs.peak_memory);
     }
 
@@ -53,7 +50,6 @@ impl Costs {
             "vtu": account(&self.made, ".vtu"),
             "pictures": account(&self.made, ".png"),
             "frames": self.frames,
-            "made_behind_the_solve": self.drafted,
         })
     }
 

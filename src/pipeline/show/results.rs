@@ -29,24 +29,19 @@ pub struct Outcome<'a> {
 }
 
 impl Outcome<'_> {
-    /// Writes everything but the summary and the report into `folder`, without what has been `drafted`
-    /// there, and returns all that is there now, and the pictures that the report moves through.
+    /// Writes everything but the summary and the report into `folder`, and returns its files and the
+    /// pictures that the report moves through.
     ///
     /// # Errors
     /// See [`ResultsError`].
     pub(crate) fn write(
         &self,
         folder: &Path,
-        drafted: Vec<Made>,
         phases: &mut Phases,
     ) -> Result<(Vec<Made>, Option<Reel>), RunError> {
         let workshop = Workshop {
             outcome: self,
             folder,
-            drafted: drafted
-                .into_iter()
-                .map(|made| (made.name.clone(), made))
-                .collect(),
             trace: phases.trace().clone(),
         };
         let mut made = phases.measure("vtu", || workshop.parts())?;

@@ -1,5 +1,4 @@
-//! The output stage's files, on all threads: what was drafted behind the solve is taken over, the rest
-//! is made here. Which files there are, their order and their bytes do not depend on either.
+//! The output stage's files, written on all threads; their order and their bytes do not depend on those.
 
 use super::parts::{PartKind, Parts};
 use super::results::Outcome;
@@ -8,20 +7,16 @@ use crate::output::{pvd, write_whole};
 use crate::pipeline::account::made::Made;
 use crate::pipeline::error::ResultsError;
 use crate::pipeline::error::RunError;
-use crate::pipeline::read::spec::Format;
 use crate::pipeline::record::frames::{Frame, read_frame};
 use crate::pipeline::record::sparse_integrity::SparseIntegrity;
 use crate::trace::Trace;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 use std::path::Path;
 
 pub(crate) struct Workshop<'a> {
     pub outcome: &'a Outcome<'a>,
     /// Where the files go.
     pub folder: &'a Path,
-    /// What is there already.
-    pub drafted: BTreeMap<String, Made>,
     pub trace: Trace,
 }
 
@@ -48,10 +43,6 @@ impl Workshop<'_> {
 
     fn parts_of(&self, parts: &Parts, step: Option<usize>) -> Result<Vec<Made>, RunError> {
         let kinds = parts.kinds();
-        let drafted = |kind: &PartKind| self.drafted.get(&parts.file(*kind, step)).cloned();
-        if let Some(drafted) = kinds.iter().map(drafted).collect() {
-            return Ok(drafted);
-        }
         let frame = self.frame(step)?;
         let write = |&kind: &PartKind| parts.write(kind, &frame, step, self.folder, &self.trace);
         Ok(in_order(kinds.par_iter().map(write))?)
@@ -98,13 +89,8 @@ impl Workshop<'_> {
     pub fn pictures(&self) -> Result<Vec<Made>, RunError> {
         let sheets = self.outcome.sheets();
         let formats = self.outcome.plan.output.formats();
-        let made = in_order(sheets.par_iter().map(|&sheet| {
-            let drafted = |&format: &Format| self.drafted.get(&sheet.file(format)).cloned();
-            if let Some(drafted) = formats.iter().map(drafted).collect() {
-                return Ok(drafted);
-            }
-            self.outcome.draw(sheet, &formats, self.folder, &self.trace)
-        }))?;
+        let draw = |&sheet| self.outcome.draw(sheet, &formats, self.folder, &self.trace);
+        let made = in_order(sheets.par_iter().map(draw))?;
         Ok(made.into_iter().flatten().collect())
     }
 }

@@ -22,12 +22,11 @@ use crate::pipeline::record::stamp;
 use crate::pipeline::record::writer::{
     CHECKPOINT_FILE, Order, Scribe, Written, begin_history, read_checkpoint, read_journal,
 };
-use crate::pipeline::show::drafter::{Drafter, Drafts};
-use crate::pipeline::show::parts::Parts;
+use crate::pipeline::show::live_picture::LivePicture;
 use crate::statics::{Solution, Solver};
 use crate::trace::Kind;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::thread;
 use std::time::Instant;
@@ -48,8 +47,6 @@ pub(crate) struct Fractured {
     pub integrity: Vec<f64>,
     /// Frames and the like, as they went to the disk.
     pub written: Written,
-    /// Files of the output stage that are there already.
-    pub drafts: Drafts,
 }
 
 /// What to run, and how.
@@ -60,8 +57,6 @@ pub(crate) struct Task<'a> {
     /// What the solve stage is made from.
     pub recipe: &'a str,
     pub resolution: Resolution,
-    /// Where files of the output stage may be drafted meanwhile.
-    pub draft: Option<PathBuf>,
 }
 
 /// Runs from the start, or from the checkpoint of an interrupted run of the same recipe.
@@ -101,14 +96,12 @@ pub(crate) fn run(
         None => (None, Ledger::default()),
     };
     let trace = phases.trace().clone();
-    let parts = Parts { plan, model };
     thread::scope(|scope| {
         let scribe = Scribe::start(scope, &plan.folder, ledger, trace.clone())?;
-        let drafter = Drafter::start(scope, parts, task.draft.clone(), trace.clone());
         let mut writer = Writer {
             chronicle,
             scribe: Some(scribe),
-            drafter,
+            picture: LivePicture::new(scope, plan, model),
             handed_over: Phases::traced(trace.clone()),
         };
         let mut state = match resumed {
@@ -318,7 +311,7 @@ struct Writer<'a, 'scope> {
     chronicle: Chronicle<'a>,
     /// Until it meets an error, or the end.
     scribe: Option<Scribe<'scope>>,
-    drafter: Drafter<'scope>,
+    picture: LivePicture<'scope, 'a>,
     /// What the solve spends on it.
     handed_over: Phases,
 }
@@ -366,11 +359,7 @@ impl Writer<'_, '_> {
             frame,
             checkpoint,
         })?;
-        let parts = Parts {
-            plan,
-            model: problem.model,
-        };
-        self.drafter.latest(parts, state);
+        self.picture.update(state);
         self.handed_over.note(HAND_OVER, start);
         Ok(())
     }
@@ -385,9 +374,6 @@ impl Writer<'_, '_> {
     }
 
     fn give(&mut self, order: Order) -> Result<(), RunError> {
-        if let Some(frame) = &order.frame {
-            self.drafter.frame(frame);
-        }
         let scribe = self.scribe.take_if(|scribe| !scribe.give(order));
         scribe.map_or(Ok(()), |scribe| scribe.finish().map(|_| ()))
     }
@@ -401,8 +387,8 @@ impl Writer<'_, '_> {
         let Writer {
             chronicle,
             scribe,
-            drafter,
             handed_over,
+            ..
         } = self;
         phases.append(handed_over.list);
         let model = chronicle.problem.model;
@@ -415,7 +401,7 @@ impl Writer<'_, '_> {
             }
         };
         let scribe = scribe.expect("an error of the scribe ends the run where it is met");
-        let (drafts, written) = phases.measure(HAND_OVER, || (drafter.finish(), scribe.finish()));
+        let written = phases.measure(HAND_OVER, || scribe.finish())?;
         Ok(Fractured {
             history: chronicle.history,
             frames: chronicle.frames,
@@ -429,8 +415,7 @@ impl Writer<'_, '_> {
                 residual: state.residual,
                 size,
             },
-            written: written?,
-            drafts,
+            written,
         })
     }
 }

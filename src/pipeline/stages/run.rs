@@ -16,7 +16,7 @@ use crate::model::Model;
 use crate::output::write_whole;
 use crate::phases::{Phases, peak_memory};
 use crate::pipeline::account::costs::{Costs, StoredCosts};
-use crate::pipeline::account::made::{Made, account};
+use crate::pipeline::account::made::account;
 use crate::pipeline::account::summary::{SUMMARY_FILE, read_summary};
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::{Loading, Plan};
@@ -31,7 +31,6 @@ use crate::pipeline::record::stored::read_stored;
 use crate::pipeline::record::writer::forget_checkpoint;
 use crate::pipeline::record::writer::{HISTORY_FILE, Written};
 use crate::pipeline::show::damage_picture::DAMAGE_PICTURE;
-use crate::pipeline::show::drafter::Drafts;
 use crate::pipeline::show::report::REPORT_FILE;
 use crate::pipeline::show::results::Outcome;
 use crate::statics::{self, Method, Solution};
@@ -41,7 +40,6 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::time::Instant;
-use tempfile::TempDir;
 
 pub use observer::{Observer, Step};
 
@@ -132,7 +130,6 @@ pub fn run(
         observer,
         costs: Costs::default(),
         kept: BTreeMap::new(),
-        draft: None,
         lock: None,
     };
     sweep(&plan.folder)?;
@@ -200,8 +197,6 @@ struct Run<'a> {
     costs: Costs,
     /// Hashes of what the stages of this run have delivered, on disk now or soon.
     kept: BTreeMap<&'static str, String>,
-    /// Files of the output stage that were made behind the solve, and the folder that holds them.
-    draft: Option<(TempDir, Vec<Made>)>,
     lock: Option<File>,
 }
 
@@ -376,8 +371,6 @@ impl Run<'_> {
         self.begin(Stage::Solve, &along_the_way)?;
         // A killed run may have left one, which no later output stage would come upon.
         remove_folder(&folder.join(DRAFT_FOLDER))?;
-        let drafts_along = self.options.until == Stage::Output && rayon::current_num_threads() > 1;
-        let draft = drafts_along.then(|| draft(folder)).transpose()?;
         let recipe = serde_json::to_string(recipe).expect("a recipe is plain data");
         let task = Task {
             plan: self.plan,
@@ -385,7 +378,6 @@ impl Run<'_> {
             model,
             recipe: &recipe,
             resolution: self.options.resolution,
-            draft: draft.as_ref().map(|draft| draft.path().to_owned()),
         };
         let Fractured {
             history,
@@ -396,7 +388,6 @@ impl Run<'_> {
             solution,
             integrity,
             written,
-            drafts,
         } = fracture::run(&task, self.observer, &mut costs.phases)?;
         let Written {
             frames: files,
@@ -404,9 +395,6 @@ impl Run<'_> {
         } = written;
         costs.behind = phases;
         costs.frames = account(&files, "");
-        let Drafts { made, phases } = drafts;
-        self.costs.behind.append(phases.list);
-        self.draft = draft.map(|folder| (folder, made));
         Ok(Solved {
             solution,
             integrity,
@@ -446,16 +434,12 @@ impl Run<'_> {
         let folder = &self.plan.folder;
         // A draft in the folder and a manifest that calls all finished must not meet.
         self.begin(Stage::Output, &[])?;
-        let (draft, drafted) = match self.draft.take() {
-            Some(drafts) => drafts,
-            None => (draft(folder)?, Vec::new()),
-        };
+        let draft = draft(folder)?;
         let mut costs = Costs {
             phases: self.phases(),
             ..Costs::default()
         };
-        costs.drafted = drafted.len();
-        let (made, reel) = outcome.write(draft.path(), drafted, &mut costs.phases)?;
+        let (made, reel) = outcome.write(draft.path(), &mut costs.phases)?;
 
         costs.phases.complete(start.elapsed());
         costs.peak_memory = peak_memory();

@@ -8,7 +8,7 @@ use peristitch::boundary::Boundary;
 use peristitch::coupling::Coupling;
 use peristitch::coupling::truss::NodeArea;
 use peristitch::fem::edge::EdgeLoad;
-use peristitch::linear_solver::Method;
+use peristitch::linear_solver::Backend;
 use peristitch::material::{Material, PlaneState};
 use peristitch::mesh::grid::Grid;
 use peristitch::mesh::{CellKind, Edge, Mesh};
@@ -30,9 +30,9 @@ fn main() {
         .iter()
         .find_map(|a| a.parse().ok())
         .unwrap_or(1000);
-    let method = Method::ALL
+    let backend = Backend::ALL
         .into_iter()
-        .find(|method| arguments.iter().any(|a| a == method.describe()));
+        .find(|backend| arguments.iter().any(|a| a == backend.describe()));
     println!(
         "{side} × {side} points\n{:<16} {:>8} {:>10}",
         "phase", "s", "peak MB"
@@ -45,7 +45,7 @@ fn main() {
     });
     let mut phases = Phases::default();
     let solver = step("structure", || {
-        Solver::with_method(&model, &boundary, method, &mut phases).expect("a structure")
+        Solver::with_backend(&model, &boundary, backend, &mut phases).expect("a structure")
     });
     let solution = step("solve", || {
         solver
@@ -57,7 +57,7 @@ fn main() {
     }
     println!(
         "{}, {} bonds, {} entries of L, residual {:.1e}",
-        solution.size.method.describe(),
+        solution.size.backend.describe(),
         model.springs.len(),
         solution.size.factor_entries,
         solution.residual

@@ -33,7 +33,7 @@ pub struct ElementStiffness {
 #[derive(Clone, Debug)]
 pub struct Pattern {
     /// Neighbours of each node, ascending, itself left out.
-    pub graph: Lists,
+    pub graph: Arc<Lists>,
     /// Springs between two nodes, at the lower one.
     pairs_at: Lists,
     /// All other springs, at each of their nodes.
@@ -83,7 +83,7 @@ impl Pattern {
         });
         let symbolic = Arc::new(lower_pattern(&graph));
         Pattern {
-            graph,
+            graph: Arc::new(graph),
             pairs_at,
             others_at,
             elements_at,

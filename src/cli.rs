@@ -7,6 +7,7 @@ mod new;
 mod numbers;
 mod progress;
 mod run;
+mod solver;
 mod study;
 mod sweep;
 mod verify;
@@ -21,8 +22,9 @@ use crate::pipeline::read::{reference, schema, yaml};
 use crate::pipeline::record::folder;
 use crate::pipeline::stages::parameters::parameter_lines;
 use crate::pipeline::stages::run::{Options, Standing, discretised, standings};
-use crate::statics::{Estimate, Method};
+use crate::statics::{Backend, Estimate};
 use clap::{Args, CommandFactory, Parser, Subcommand};
+use solver::SolverArguments;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::io::IsTerminal;
@@ -101,9 +103,8 @@ enum Command {
     Check {
         #[command(flatten)]
         common: Common,
-        /// As if run with this
-        #[arg(long)]
-        iterative_solver: bool,
+        #[command(flatten)]
+        solver: SolverArguments,
     },
     /// Print which stages are fresh
     Status(Common),
@@ -201,12 +202,8 @@ fn command() -> ExitCode {
         Command::Sweep(arguments) => return study::sweep(&arguments),
         Command::Plan(arguments) => study::plan(&arguments),
         Command::New { name } => begin(&name),
-        Command::Check {
-            common,
-            iterative_solver,
-        } => {
-            let method = iterative_solver.then_some(Method::TwoLevel);
-            for_each(&common, |plan| check(plan, method))
+        Command::Check { common, solver } => {
+            for_each(&common, |plan| check(plan, solver.backend()))
         }
         Command::Status(common) => for_each(&common, |plan| list(plan, false)),
         Command::Explain(common) => for_each(&common, |plan| list(plan, true)),
@@ -424,9 +421,9 @@ fn list(plan: &Plan, reasons_too: bool) -> Result<(), RunError> {
     Ok(())
 }
 
-fn check(plan: &Plan, method: Option<Method>) -> Result<(), RunError> {
+fn check(plan: &Plan, backend: Option<Backend>) -> Result<(), RunError> {
     let (model, boundary, extract) = discretised(plan, &Options::default())?;
-    let estimate = Estimate::new(&model, &boundary, method, plan.loading.is_some())?;
+    let estimate = Estimate::new(&model, &boundary, backend, plan.loading.is_some())?;
     estimate.fits(machine_memory())?;
     println!("{}: sound", plan.name);
     println!(
@@ -456,12 +453,12 @@ fn check(plan: &Plan, method: Option<Method>) -> Result<(), RunError> {
         );
     }
     println!("  unknowns          {}", estimate.dofs);
-    match estimate.method {
-        Method::Direct => println!(
+    match estimate.backend {
+        Backend::Multifrontal | Backend::Faer => println!(
             "  factor            {} entries, {:.2e} flops",
             estimate.factor_entries, estimate.flops
         ),
-        Method::TwoLevel => println!(
+        Backend::TwoLevel => println!(
             "  solver            two levels, conjugate gradients; {:.1e} entries in the coarse factor",
             estimate.factor_entries as f64
         ),

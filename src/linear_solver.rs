@@ -1,11 +1,15 @@
-//! K U = R, Qian et al. (2021), eq. (11): ordering, symbolic and numeric factorisation by Cholesky's method,
-//! solution and its residual, each apart from the others; conjugate gradients where factors would be too large.
+//! K u = f, Qian et al. (2021), eq. (11), where K is symmetric and positive definite.
+//!
+//! A [`SymmetricSolver`] knows the pattern of K; from the numbers in it comes a [`Factorisation`], which solves.
+//! There are three backends: the program's own Cholesky factorisation, conjugate gradients for systems whose
+//! factors would be too large, and the factorisation of the crate faer, which the own one is compared with.
 
 pub mod cholesky;
 pub mod columns;
 pub mod compliance;
 mod elimination_tree;
 mod extend_add;
+pub mod faer;
 pub mod held;
 mod kernels;
 mod metis;
@@ -19,6 +23,7 @@ mod triangular;
 pub mod two_level;
 
 use crate::assembly::{Lists, LowerMatrix};
+use compliance::UnitLoads;
 use held::Held;
 use thiserror::Error;
 
@@ -31,41 +36,41 @@ pub enum SolverError {
     /// The pivot of this dof is not positive: K is singular or indefinite.
     #[error("the stiffness matrix is not positive definite at dof {dof}")]
     NotPositiveDefinite { dof: usize },
-    /// A motion without force moves this dof the most.
-    #[error("the stiffness matrix is singular: nothing holds dof {dof}")]
-    Singular { dof: usize },
 }
 
-/// How K U = R is solved.
+/// What systems are solved by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// By Cholesky's factors.
-    Direct,
-    /// By conjugate gradients, see [`two_level`].
+pub enum Backend {
+    /// The program's own multifrontal Cholesky factorisation, [`cholesky`].
+    Multifrontal,
+    /// Conjugate gradients on two levels, [`two_level`].
     TwoLevel,
+    /// The supernodal Cholesky factorisation of the crate faer, [`mod@faer`].
+    Faer,
 }
 
-/// More entries of L than these, 4 GB, leave the direct way.
+/// Systems whose L is expected to have more entries than these, 4 GB, are solved on two levels.
 const MOST_FACTOR_ENTRIES: f64 = 5e8;
 
-impl Method {
-    pub const ALL: [Method; 2] = [Method::Direct, Method::TwoLevel];
+impl Backend {
+    pub const ALL: [Backend; 3] = [Backend::Multifrontal, Backend::TwoLevel, Backend::Faer];
 
-    /// By what L would take.
-    pub fn choose(graph: &Lists) -> Method {
+    /// The backend that suits the size of L.
+    pub fn choose(graph: &Lists) -> Backend {
         let links = graph.parts().1.len();
         if expected_factor_entries(graph.len(), links) <= MOST_FACTOR_ENTRIES {
-            Method::Direct
+            Backend::Multifrontal
         } else {
-            Method::TwoLevel
+            Backend::TwoLevel
         }
     }
 
-    /// In a word.
+    /// The backend's name in `summary.json`.
     pub fn describe(self) -> &'static str {
         match self {
-            Method::Direct => "direct",
-            Method::TwoLevel => "two-level",
+            Backend::Multifrontal => "direct",
+            Backend::TwoLevel => "two-level",
+            Backend::Faer => "faer",
         }
     }
 }
@@ -78,46 +83,92 @@ pub fn expected_factor_entries(nodes: usize, links: usize) -> f64 {
     3.07 * links * ((nodes * nodes / links).log2() - 2.0).max(1.0)
 }
 
-/// Factors of K, or what takes their place.
-#[derive(Clone, Debug)]
-pub enum Factor {
-    Cholesky(cholesky::Factor),
-    TwoLevel(Box<two_level::TwoLevel>),
+/// What a factorisation takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FactorSize {
+    /// Stored entries of L; on two levels those that L of the coarse level is expected to have.
+    pub entries: usize,
+    /// Entries that the factorisation holds besides those of L.
+    pub waiting_entries: usize,
+    /// Multiplications and additions.
+    pub flops: f64,
 }
 
-impl Factor {
-    /// Overwrites `rhs` by K⁻¹ rhs, or by what leaves a residual of no more than `goal`.
-    pub fn solve_in_place(&self, rhs: &mut [f64], goal: f64) {
-        match self {
-            Factor::Cholesky(factor) => factor.solve_in_place(rhs),
-            Factor::TwoLevel(solver) => {
-                solver.solve_in_place(rhs, goal);
-            }
-        }
-    }
+/// A backend that has analysed the pattern of K.
+pub trait SymmetricSolver: Send + Sync {
+    fn backend(&self) -> Backend;
 
-    /// The factors of a K that differs between some nodes only: the same bits as of a whole factorisation.
-    /// False where there is no such way.
+    fn size(&self) -> FactorSize;
+
+    /// Factorises K with some dofs held. `likely`: nodes near which K will change, if it is to be followed by
+    /// [`Factorisation::refactorise`].
     ///
     /// # Errors
-    /// [`SolverError::NotPositiveDefinite`]: these are no factors until they have followed another change.
-    pub fn refactorise(
-        &mut self,
+    /// [`SolverError::NotPositiveDefinite`] for a mechanism, [`SolverError::OutOfMemory`].
+    fn factorise(
+        &self,
         stiffness: &LowerMatrix,
         held: Held,
-        nodes: &[u32],
-    ) -> Result<bool, SolverError> {
-        match self {
-            Factor::Cholesky(factor) => factor.refactorise(stiffness, held, nodes).map(|()| true),
-            Factor::TwoLevel(_) => Ok(false),
-        }
+        likely: &[u32],
+    ) -> Result<Box<dyn Factorisation>, SolverError>;
+}
+
+/// Factors of K, or what takes their place. Every backend solves; the other methods are capabilities, which a
+/// backend without them answers by the methods written here.
+pub trait Factorisation: Send + Sync {
+    /// Overwrites each of some right-hand sides, one after the other, by a solution x. An iterative backend ends
+    /// where ‖K x − f‖₂ is no more than the right-hand side's goal; factors leave rounding errors.
+    fn solve_in_place(&self, rhs: &mut [f64], goals: &[f64]);
+
+    /// The residual over the norm of the right-hand side that solutions are refined to [-].
+    fn residual_goal(&self) -> f64;
+
+    /// Stored entries of L; of the coarse level's L on two levels.
+    fn entries(&self) -> usize;
+
+    /// Whether a displacement near the solution saves time.
+    fn gains_by_guess(&self) -> bool {
+        false
     }
 
-    pub fn method(&self) -> Method {
-        match self {
-            Factor::Cholesky(_) => Method::Direct,
-            Factor::TwoLevel(_) => Method::TwoLevel,
-        }
+    /// Follows a change of K between some nodes: the same bits as of a whole factorisation. False if the backend
+    /// cannot.
+    ///
+    /// # Errors
+    /// [`SolverError::NotPositiveDefinite`]: the factors are not valid until another change has been followed.
+    fn refactorise(
+        &mut self,
+        _stiffness: &LowerMatrix,
+        _held: Held,
+        _nodes: &[u32],
+    ) -> Result<bool, SolverError> {
+        Ok(false)
+    }
+
+    /// Multiplications and additions of [`Factorisation::refactorise`].
+    fn refactorisation_flops(&self, _nodes: &[u32]) -> Option<f64> {
+        None
+    }
+
+    /// Whether there are [`Factorisation::unit_loads`], and with them compliances of few dofs.
+    fn has_compliances(&self) -> bool {
+        false
+    }
+
+    /// L⁻¹ E of unit loads at some dofs, and nothing for those that are not loaded.
+    fn unit_loads(&self, _dofs: &[usize], _is_loaded: &dyn Fn(usize) -> bool) -> Option<UnitLoads> {
+        None
+    }
+
+    /// The place of a dof in the order of elimination.
+    fn elimination(&self, _dof: usize) -> Option<usize> {
+        None
+    }
+
+    /// Solves where only the unknowns of some nodes are needed, and may leave out others. False if the backend
+    /// cannot, and has solved nothing.
+    fn solve_at(&self, _nodes: &[u32], _rhs: &mut [f64]) -> bool {
+        false
     }
 }
 

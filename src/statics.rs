@@ -7,7 +7,7 @@ mod system;
 
 use crate::boundary::Boundary;
 use crate::linear_solver::held::Held;
-use crate::linear_solver::{Factor, SolverError};
+use crate::linear_solver::{Factorisation, SolverError};
 use crate::model::Model;
 use crate::model::node_axes::direction;
 use crate::phases::{Phases, machine_memory};
@@ -17,7 +17,7 @@ use structure::Structure;
 use system::{Case, Solved, System, vectors};
 use thiserror::Error;
 
-pub use crate::linear_solver::Method;
+pub use crate::linear_solver::Backend;
 pub use estimate::Estimate;
 pub use factorised::Factorised;
 
@@ -42,34 +42,31 @@ pub struct SystemSize {
     pub stiffness_entries: usize,
     /// Stored entries of L; of the coarse level's where the system is solved on two levels.
     pub factor_entries: usize,
-    pub method: Method,
+    pub backend: Backend,
 }
 
 impl SystemSize {
     /// As numbers, to be kept.
     pub fn numbers(self) -> [usize; 4] {
-        let method = usize::from(self.method == Method::TwoLevel);
+        let is_own = |backend: &Backend| *backend == self.backend;
+        let backend = Backend::ALL.iter().position(is_own);
         [
             self.dofs,
             self.stiffness_entries,
             self.factor_entries,
-            method,
+            backend.expect("all backends are listed"),
         ]
     }
 
     /// From [`SystemSize::numbers`].
     pub fn from_numbers(
-        [dofs, stiffness_entries, factor_entries, method]: [usize; 4],
+        [dofs, stiffness_entries, factor_entries, backend]: [usize; 4],
     ) -> SystemSize {
         SystemSize {
             dofs,
             stiffness_entries,
             factor_entries,
-            method: if method == 0 {
-                Method::Direct
-            } else {
-                Method::TwoLevel
-            },
+            backend: *Backend::ALL.get(backend).unwrap_or(&Backend::Multifrontal),
         }
     }
 }
@@ -120,14 +117,6 @@ pub enum StaticsError {
 /// A solution with a larger relative residual is not one.
 const RESIDUAL_LIMIT: f64 = 1e-8;
 
-/// Solutions are refined until the residual is this small or stops falling.
-fn residual_goal(method: Method) -> f64 {
-    match method {
-        Method::Direct => 1e-14,
-        Method::TwoLevel => 1e-10,
-    }
-}
-
 /// Assembles and solves once, initial cracks open.
 ///
 /// # Errors
@@ -140,14 +129,14 @@ pub fn solve(
     solve_by(model, boundary, None, phases)
 }
 
-/// The same in a given way, where K is symmetric.
+/// The same by a given backend.
 ///
 /// # Errors
 /// See [`StaticsError`].
 pub fn solve_by(
     model: &Model,
     boundary: &Boundary,
-    method: Option<Method>,
+    backend: Option<Backend>,
     phases: &mut Phases,
 ) -> Result<Solution, StaticsError> {
     let unsupported = phases.measure("support", || {
@@ -155,7 +144,7 @@ pub fn solve_by(
         Ok::<_, NotHeld>(support::loose_parts(model, boundary, &model.integrity))
     })?;
     let pinned: Vec<Vec<usize>> = unsupported.into_iter().map(|part| part.nodes).collect();
-    let solver = Solver::with_method(model, boundary, method, phases)?;
+    let solver = Solver::with_backend(model, boundary, backend, phases)?;
     let solution = solver.solve(&model.integrity, &pinned, phases)?;
     Ok(Solution {
         displacement: model.in_space(&solution.displacement),
@@ -181,24 +170,24 @@ impl<'a> Solver<'a> {
         boundary: &'a Boundary,
         phases: &mut Phases,
     ) -> Result<Solver<'a>, StaticsError> {
-        Solver::with_method(model, boundary, None, phases)
+        Solver::with_backend(model, boundary, None, phases)
     }
 
-    /// Solves in this way where K is symmetric; `None`: whichever its size suggests.
+    /// Solves by this backend; `None`: by the one that suits the size of K.
     ///
     /// # Errors
     /// [`SolverError::Ordering`], [`SolverError::OutOfMemory`].
-    pub fn with_method(
+    pub fn with_backend(
         model: &'a Model,
         boundary: &'a Boundary,
-        method: Option<Method>,
+        backend: Option<Backend>,
         phases: &mut Phases,
     ) -> Result<Solver<'a>, StaticsError> {
         assert_eq!(
             model.node_axes, boundary.node_axes,
             "`Model::with_node_axes` has been given the supports' axes"
         );
-        let structure = Structure::new(model, method, phases)?;
+        let structure = Structure::new(model, backend, phases)?;
         Estimate::of(&structure, boundary, 0).fits(machine_memory())?;
         Ok(Solver {
             diagonal: structure.mean_diagonal(&model.springs, boundary.load.len()),
@@ -212,8 +201,8 @@ impl<'a> Solver<'a> {
         SystemSize {
             dofs: self.boundary.load.len(),
             stiffness_entries: self.structure.stiffness_entries(),
-            factor_entries: self.structure.factor_entries(),
-            method: self.structure.method(),
+            factor_entries: self.structure.solver.size().entries,
+            backend: self.structure.solver.backend(),
         }
     }
 
@@ -231,7 +220,7 @@ impl<'a> Solver<'a> {
         let system = self.system(integrity, pinned, &BTreeSet::new(), phases);
         let factor = self.factorise(&system, phases);
         let factor = factor.map_err(|error| self.locate(error))?;
-        self.finish(&system, &system.case(self.boundary), &factor, None, phases)
+        self.finish(&system, &system.case(self.boundary), &*factor, None, phases)
     }
 
     /// The same for a body in which bonds break, under each of `cases`, which prescribe displacements
@@ -271,16 +260,16 @@ impl<'a> Solver<'a> {
             let system = self.system(integrity, pinned, mechanisms, phases);
             match self.factorise(&system, phases) {
                 Ok(factor) => {
+                    let size = self.structure.solver.size();
                     return Ok(Factorised {
                         system,
                         factor,
-                        entries: self.structure.factor_entries(),
-                        flops: self.structure.flops(),
+                        entries: size.entries,
+                        flops: size.flops,
                     });
                 }
                 // The set grows with every turn, so that the loop ends.
-                Err(SolverError::NotPositiveDefinite { dof } | SolverError::Singular { dof })
-                    if mechanisms.insert(dof) => {}
+                Err(SolverError::NotPositiveDefinite { dof }) if mechanisms.insert(dof) => {}
                 Err(error) => return Err(self.locate(error)),
             }
         }
@@ -368,7 +357,7 @@ impl<'a> Solver<'a> {
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
         let Factorised { system, factor, .. } = factorised;
-        let solution = self.finish(system, &system.case(case), factor, guess, phases);
+        let solution = self.finish(system, &system.case(case), &**factor, guess, phases);
         solution.map_err(|error| self.swings(error, mechanisms))
     }
 
@@ -405,15 +394,18 @@ impl<'a> Solver<'a> {
         System::new(stiffness, boundary, pinned, mechanisms)
     }
 
-    fn factorise(&self, system: &System, phases: &mut Phases) -> Result<Factor, SolverError> {
+    fn factorise(
+        &self,
+        system: &System,
+        phases: &mut Phases,
+    ) -> Result<Box<dyn Factorisation>, SolverError> {
         let held = Held {
             dofs: &system.is_held,
             diagonal: self.diagonal,
         };
-        let (positions, stiffness) = (&self.model.positions, &system.stiffness);
         // Nothing is kept before the first change: many runs never come to it.
         phases.measure("factorisation", || {
-            (self.structure).factorise(positions, stiffness, held, &[])
+            (self.structure.solver).factorise(&system.stiffness, held, &[])
         })
     }
 
@@ -421,33 +413,30 @@ impl<'a> Solver<'a> {
         &self,
         system: &System,
         case: &Case,
-        factor: &Factor,
+        factor: &dyn Factorisation,
         guess: Option<&[[f64; 2]]>,
         phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
-        let goal = residual_goal(factor.method());
         let Solved {
             displacement,
             force,
             residual,
-        } = phases.measure("solution", || system.solve(case, factor, guess, goal));
-        let mut size = self.size();
-        if let Factor::TwoLevel(solver) = factor {
-            size.factor_entries = solver.coarse_entries();
-        }
+        } = phases.measure("solution", || system.solve(case, factor, guess));
         let solution = Solution {
             reaction: case.reaction(&force),
             displacement: vectors(&displacement),
             residual,
-            size,
+            size: SystemSize {
+                factor_entries: factor.entries(),
+                ..self.size()
+            },
         };
         check(self.model, &solution)?;
         Ok(solution)
     }
 
     fn locate(&self, error: SolverError) -> StaticsError {
-        let (SolverError::NotPositiveDefinite { dof } | SolverError::Singular { dof }) = error
-        else {
+        let SolverError::NotPositiveDefinite { dof } = error else {
             return error.into();
         };
         let node = dof / 2;

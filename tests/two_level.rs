@@ -17,7 +17,7 @@ use peristitch::fracture::laws::brittle::Brittle;
 use peristitch::fracture::laws::{BondLaws, Strength};
 use peristitch::fracture::programme::Programme;
 use peristitch::fracture::state::State;
-use peristitch::linear_solver;
+use peristitch::linear_solver::Backend;
 use peristitch::material::PlaneState;
 use peristitch::mesh::{CellKind, Edge, Mesh};
 use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings};
@@ -101,12 +101,12 @@ fn rollers(model: Model) -> (Model, Boundary) {
     (model.with_node_axes(&boundary.node_axes), boundary)
 }
 
-fn solve(model: &Model, method: linear_solver::Method) -> Solution {
-    solve_with(model, &grips(model), method)
+fn solve(model: &Model, backend: Backend) -> Solution {
+    solve_with(model, &grips(model), backend)
 }
 
-fn solve_with(model: &Model, boundary: &Boundary, method: linear_solver::Method) -> Solution {
-    let solution = statics::solve_by(model, boundary, Some(method), &mut Phases::default());
+fn solve_with(model: &Model, boundary: &Boundary, backend: Backend) -> Solution {
+    let solution = statics::solve_by(model, boundary, Some(backend), &mut Phases::default());
     solution.expect("a solution")
 }
 
@@ -118,9 +118,9 @@ fn difference(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
 
 #[track_caller]
 fn assert_same(model: &Model, boundary: &Boundary) {
-    let [direct, two_level] =
-        linear_solver::Method::ALL.map(|method| solve_with(model, boundary, method));
-    assert_eq!(two_level.size.method, linear_solver::Method::TwoLevel);
+    let [direct, two_level] = [Backend::Multifrontal, Backend::TwoLevel]
+        .map(|backend| solve_with(model, boundary, backend));
+    assert_eq!(two_level.size.backend, Backend::TwoLevel);
     assert!(two_level.size.factor_entries < direct.size.factor_entries / 4);
     assert_between(two_level.residual, 1e-14, 1e-10, "the residual");
     let errors = [
@@ -165,7 +165,7 @@ fn the_same_bits_on_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let solution = pool
             .expect("a pool")
-            .install(|| solve(&model, linear_solver::Method::TwoLevel));
+            .install(|| solve(&model, Backend::TwoLevel));
         let all = solution.displacement.iter().chain(&solution.reaction);
         all.flatten().map(|x| x.to_bits()).collect::<Vec<u64>>()
     });
@@ -178,8 +178,9 @@ fn a_solution_is_its_own_guess() {
     let model = plate(0.06, Coupling::Clip);
     let boundary = grips(&model);
     let mut phases = Phases::default();
-    let method = Some(linear_solver::Method::TwoLevel);
-    let solver = Solver::with_method(&model, &boundary, method, &mut phases).expect("a structure");
+    let backend = Some(Backend::TwoLevel);
+    let solver =
+        Solver::with_backend(&model, &boundary, backend, &mut phases).expect("a structure");
     let mut mechanisms = Default::default();
     let factorised = solver
         .factorise_broken(&model.integrity, &[], &mut mechanisms, &mut phases)
@@ -225,11 +226,11 @@ fn a_part_that_floats_is_found() {
     let upper: Vec<usize> = (0..model.node_count())
         .filter(|&n| is_upper(n as u32))
         .collect();
-    for method in linear_solver::Method::ALL {
+    for backend in [Backend::Multifrontal, Backend::TwoLevel] {
         let mut phases = Phases::default();
-        let solver = Solver::with_method(&model, &boundary, Some(method), &mut phases);
+        let solver = Solver::with_backend(&model, &boundary, Some(backend), &mut phases);
         let solver = solver.expect("a structure");
-        if method == linear_solver::Method::TwoLevel {
+        if backend == Backend::TwoLevel {
             let floating = solver.solve(&integrity, &[], &mut phases);
             let Err(StaticsError::Mechanism { y, .. }) = floating else {
                 panic!("no mechanism was found");
@@ -301,7 +302,7 @@ fn assert_same_sequence(model: &Model, boundary: Boundary) {
             (state.broken(), state.load.factor, state.energy)
         };
         let (expected, load, energy) = broken(Resolution::Fast);
-        let (found, other_load, other_energy) = broken(Resolution::TwoLevel);
+        let (found, other_load, other_energy) = broken(Resolution::By(Backend::TwoLevel));
         assert!(expected.len() >= least, "{} bonds", expected.len());
         assert_eq!(found, expected);
         assert!((other_load / load - 1.0).abs() < 1e-9);

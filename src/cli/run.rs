@@ -2,6 +2,7 @@
 
 use super::numbers::{print_files, print_next, print_numbers, print_phases, print_picture};
 use super::progress::{JsonLines, Progress, print_error};
+use super::solver::SolverArguments;
 use super::{Common, INTERRUPTED, code_of, for_each, report};
 use crate::fracture::control::{Ending, Resolution};
 use crate::pipeline::account::profile;
@@ -36,11 +37,10 @@ pub(super) struct RunArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Factorise anew whenever bonds have broken: slow, to check the fast way against
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["solver", "iterative_solver"])]
     reference_solver: bool,
-    /// Solve by conjugate gradients on two levels, as large lattices are, whatever the size
-    #[arg(long, conflicts_with = "reference_solver")]
-    iterative_solver: bool,
+    #[command(flatten)]
+    solver: SolverArguments,
     /// Write a profile of the run, for chrome://tracing or ui.perfetto.dev
     #[arg(long, value_name = "FILE", conflicts_with = "dry_run")]
     trace: Option<PathBuf>,
@@ -82,10 +82,10 @@ pub(super) fn run(arguments: &RunArguments) -> ExitCode {
     let options = Options {
         until: arguments.until.into(),
         force: arguments.force,
-        resolution: match (arguments.reference_solver, arguments.iterative_solver) {
+        resolution: match (arguments.reference_solver, arguments.solver.backend()) {
             (true, _) => Resolution::Reference,
-            (false, true) => Resolution::TwoLevel,
-            (false, false) => Resolution::Fast,
+            (false, Some(backend)) => Resolution::By(backend),
+            (false, None) => Resolution::Fast,
         },
         ..Options::default()
     };

@@ -36,8 +36,8 @@ pub fn run<E: From<StaticsError>>(
     if let Some(ending) = ending(problem, state) {
         return Ok(ending);
     }
-    let (supports, method) = (problem.programme.supports(), problem.resolution.method());
-    let solver = Solver::with_method(problem.model, supports, method, phases)?;
+    let (supports, backend) = (problem.programme.supports(), problem.resolution.backend());
+    let solver = Solver::with_backend(problem.model, supports, backend, phases)?;
     let mut response = match Response::new(&solver, problem, state, phases) {
         Ok(response) => response,
         // Before the first step it is the problem that has no solution.

@@ -3,7 +3,7 @@
 use super::laws::BondLaws;
 use super::programme::Programme;
 use crate::model::Model;
-use crate::statics::Method;
+use crate::statics::Backend;
 
 /// The three controls.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,16 +47,17 @@ pub enum Resolution {
     Fast,
     /// By a factorisation for every response: what all else is checked against.
     Reference,
-    /// By conjugate gradients on two levels, as large lattices are solved, whatever the size.
-    TwoLevel,
+    /// As [`Resolution::Fast`], by one backend whatever the size of the system. A backend that cannot update
+    /// factorises for every response.
+    By(Backend),
 }
 
 impl Resolution {
-    /// How systems are to be solved; `None`: whichever way their size suggests.
-    pub fn method(self) -> Option<Method> {
+    /// What systems are solved by; `None` for the backend that suits their size.
+    pub fn backend(self) -> Option<Backend> {
         match self {
             Resolution::Fast | Resolution::Reference => None,
-            Resolution::TwoLevel => Some(Method::TwoLevel),
+            Resolution::By(backend) => Some(backend),
         }
     }
 }

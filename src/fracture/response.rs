@@ -79,7 +79,7 @@ impl Response {
             near: Vec::new(),
             carries: None,
         };
-        if problem.resolution == Resolution::Reference || !factorised.is_direct() {
+        if problem.resolution == Resolution::Reference || !factorised.has_compliances() {
             return Ok(response);
         }
         if problem.control == Control::EventDriven

@@ -4,7 +4,7 @@
 //! L11 L11ᵀ = A11,   L21 = A21 L11⁻ᵀ,   passed up: U = A22 − L21 L21ᵀ
 //! ```
 
-use super::SolverError;
+use super::compliance::UnitLoads;
 use super::extend_add::Part;
 use super::held::{Held, HeldColumns};
 use super::multifrontal::{self, Child, Front, NotPositive, Pool};
@@ -13,6 +13,7 @@ use super::refactorisation::{self, Kept};
 use super::supernodes::Supernodes;
 use super::tiles::{self, PANEL};
 use super::triangular::{self, Wanted};
+use super::{Backend, FactorSize, Factorisation, SolverError, SymmetricSolver};
 use crate::assembly::{Lists, LowerMatrix};
 use faer::dyn_stack::{MemStack, StackReq};
 use faer::sparse::SymbolicSparseColMatRef;
@@ -24,7 +25,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// The least pivot L_jj² over K_jj. A singular K leaves pivots of rounding size, some 1e-16, of either
 /// sign. A body that is held has larger ones: beam theory gives some 1e-10 for a cantilever a thousand
 /// times as long as deep, and they fall with the cube of that ratio.
-const LEAST_PIVOT: f64 = 1e-13;
+pub(super) const LEAST_PIVOT: f64 = 1e-13;
+
+/// Rounding errors of a solution by factors, of its residual over its load [-].
+pub(super) const RESIDUAL_GOAL: f64 = 1e-14;
 
 /// The structure of L, from the pattern of K alone.
 #[derive(Clone, Debug)]
@@ -65,11 +69,6 @@ impl Symbolic {
     /// Stored entries of L; blocks of supernodes count whole.
     pub fn factor_entries(&self) -> usize {
         self.structure.entries()
-    }
-
-    /// Entries that the factorisation holds beside those of L.
-    pub fn waiting_entries(&self) -> usize {
-        self.structure.waiting_entries()
     }
 
     /// Multiplications and additions of the numeric factorisation: w³/3 + w²r + wr² for each
@@ -217,6 +216,73 @@ impl Factor {
             wanted[s] = true;
         }
         triangular::solve(&self.structure, &self.values, rhs, Wanted::Some(&wanted));
+    }
+}
+
+impl SymmetricSolver for Symbolic {
+    fn backend(&self) -> Backend {
+        Backend::Multifrontal
+    }
+
+    fn size(&self) -> FactorSize {
+        FactorSize {
+            entries: self.factor_entries(),
+            waiting_entries: self.structure.waiting_entries(),
+            flops: self.flops(),
+        }
+    }
+
+    fn factorise(
+        &self,
+        stiffness: &LowerMatrix,
+        held: Held,
+        likely: &[u32],
+    ) -> Result<Box<dyn Factorisation>, SolverError> {
+        Ok(Box::new(self.factorise_held(stiffness, held, likely)?))
+    }
+}
+
+impl Factorisation for Factor {
+    fn solve_in_place(&self, rhs: &mut [f64], _: &[f64]) {
+        Factor::solve_in_place(self, rhs);
+    }
+
+    fn residual_goal(&self) -> f64 {
+        RESIDUAL_GOAL
+    }
+
+    fn entries(&self) -> usize {
+        self.values.len()
+    }
+
+    fn refactorise(
+        &mut self,
+        stiffness: &LowerMatrix,
+        held: Held,
+        nodes: &[u32],
+    ) -> Result<bool, SolverError> {
+        Factor::refactorise(self, stiffness, held, nodes).map(|()| true)
+    }
+
+    fn refactorisation_flops(&self, nodes: &[u32]) -> Option<f64> {
+        Some(self.flops_above(nodes))
+    }
+
+    fn has_compliances(&self) -> bool {
+        true
+    }
+
+    fn unit_loads(&self, dofs: &[usize], is_loaded: &dyn Fn(usize) -> bool) -> Option<UnitLoads> {
+        Some(Factor::unit_loads(self, dofs, is_loaded))
+    }
+
+    fn elimination(&self, dof: usize) -> Option<usize> {
+        Some(self.column(dof))
+    }
+
+    fn solve_at(&self, nodes: &[u32], rhs: &mut [f64]) -> bool {
+        Factor::solve_at(self, nodes, rhs);
+        true
     }
 }
 

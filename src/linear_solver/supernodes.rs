@@ -62,15 +62,9 @@ impl Supernodes {
     /// `pattern`: lower triangle of K, two dofs to a node, columns sorted. `order`: the nodes as they are to
     /// be eliminated; subtrees may be reordered.
     pub fn new(pattern: SymbolicSparseColMatRef<'_, u32>, order: &[u32]) -> Supernodes {
-        let mut order = order.to_vec();
-        let mut below = below(pattern, &inverse(&order));
-        let mut parent = elimination_tree::parents(&below);
-        let post = elimination_tree::postorder(&parent);
-        if !post.iter().copied().eq(0..order.len() as u32) {
-            order = post.iter().map(|&k| order[k as usize]).collect();
-            below = self::below(pattern, &inverse(&order));
-            parent = elimination_tree::parents(&below);
-        }
+        let order = postordered(pattern, order);
+        let below = below(pattern, &inverse(&order));
+        let parent = elimination_tree::parents(&below);
         let counts = elimination_tree::column_counts(&below, &parent);
         let tree = Tree::fundamental(&parent, &counts).amalgamated();
         let mut supernodes = tree.supernodes(&order, &below);
@@ -318,6 +312,13 @@ fn below(pattern: SymbolicSparseColMatRef<'_, u32>, position: &[u32]) -> Lists {
     })
 }
 
+/// The nodes of an elimination order such that every subtree of the elimination tree is in one piece.
+pub fn postordered(pattern: SymbolicSparseColMatRef<'_, u32>, order: &[u32]) -> Vec<u32> {
+    let parent = elimination_tree::parents(&below(pattern, &inverse(order)));
+    let post = elimination_tree::postorder(&parent);
+    post.iter().map(|&k| order[k as usize]).collect()
+}
+
 fn inverse(order: &[u32]) -> Vec<u32> {
     let mut inverse = vec![0; order.len()];
     for (new, &old) in order.iter().enumerate() {
@@ -327,7 +328,7 @@ fn inverse(order: &[u32]) -> Vec<u32> {
 }
 
 /// w³/3 + w² r + w r².
-fn flops(w: f64, r: f64) -> f64 {
+pub fn flops(w: f64, r: f64) -> f64 {
     w * (w * w / 3.0 + w * r + r * r)
 }
 

@@ -15,12 +15,16 @@
 //! two of it. Where a chunk has come loose of all supports, Pᵀ K P has a pivot that vanishes, which is
 //! told as Cholesky tells it.
 
-use super::SolverError;
 use super::cholesky::{self, Symbolic};
+use super::held::Held;
 use super::ordering::{Ordering, elimination_order};
+use super::{
+    Backend, FactorSize, Factorisation, SolverError, SymmetricSolver, expected_factor_entries,
+};
 use crate::assembly::{Lists, LowerMatrix};
 use faer::sparse::SymbolicSparseColMat;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Motions of an aggregate: two shifts, a turn, a growth.
 const MODES: usize = 4;
@@ -28,15 +32,55 @@ const MODES: usize = 4;
 /// Modes are dropped of which supports and the other modes leave a smaller share.
 const INDEPENDENT: f64 = 1e-6;
 
+/// The residual over the load at which iterations end [-].
+const RESIDUAL_GOAL: f64 = 1e-10;
+
 /// An end for systems that are too close to singular.
 const MOST_ITERATIONS: usize = 2000;
 
 /// Sums are cut into pieces of this many terms, whatever the number of threads.
 const PIECE: usize = 1 << 14;
 
+/// Which nodes the coarse level may move as one.
+#[derive(Clone, Debug)]
+pub struct Coarsening {
+    /// Neighbours of each node in the pattern of K.
+    pub graph: Arc<Lists>,
+    /// A number per node, the same for nodes that may share an aggregate.
+    pub cells: Vec<u32>,
+    /// x of every node [m].
+    pub positions: Vec<[f64; 2]>,
+}
+
+impl SymmetricSolver for Coarsening {
+    fn backend(&self) -> Backend {
+        Backend::TwoLevel
+    }
+
+    /// An estimate: aggregates are taken to be connected to the eight around them, with four dofs where
+    /// [`expected_factor_entries`] has two.
+    fn size(&self) -> FactorSize {
+        let is_first = |&(node, cell): &(usize, &u32)| node == *cell as usize;
+        let aggregates = self.cells.iter().enumerate().filter(is_first).count();
+        FactorSize {
+            entries: (4.0 * expected_factor_entries(aggregates, 8 * aggregates)) as usize,
+            ..FactorSize::default()
+        }
+    }
+
+    fn factorise(
+        &self,
+        stiffness: &LowerMatrix,
+        held: Held,
+        _: &[u32],
+    ) -> Result<Box<dyn Factorisation>, SolverError> {
+        Ok(Box::new(TwoLevel::new(self, stiffness, held.dofs)?))
+    }
+}
+
 /// K, ready to be solved with.
 #[derive(Clone, Debug)]
-pub struct TwoLevel {
+struct TwoLevel {
     matrix: LowerMatrix,
     is_held: Vec<bool>,
     /// D⁻¹ of each node, xx, xy, yy; zero where it is held.
@@ -56,18 +100,18 @@ struct Aggregates {
 }
 
 impl TwoLevel {
-    /// `graph`: neighbours of each node in the pattern of `matrix`, which has two columns per node;
-    /// `cells`: a number per node, the same for nodes that may share an aggregate.
-    ///
     /// # Errors
     /// [`SolverError::NotPositiveDefinite`], with the dof that a motion without force moves the most.
-    pub fn new(
+    fn new(
+        coarsening: &Coarsening,
         matrix: &LowerMatrix,
-        graph: &Lists,
-        cells: &[u32],
-        positions: &[[f64; 2]],
         is_held: &[bool],
     ) -> Result<TwoLevel, SolverError> {
+        let Coarsening {
+            graph,
+            cells,
+            positions,
+        } = coarsening;
         let blocks = Blocks { matrix, graph };
         let aggregates = Aggregates::new(&blocks, cells, positions, is_held);
         let coarse = factorise_coarse(&blocks, &aggregates)?;
@@ -87,15 +131,9 @@ impl TwoLevel {
         })
     }
 
-    /// Stored entries of the coarse level's L.
-    pub fn coarse_entries(&self) -> usize {
-        self.coarse.values().len()
-    }
-
-    /// Overwrites `rhs` by an x with ‖K x − rhs‖₂ ≤ `goal`, no motion at held dofs, and returns the
-    /// number of iterations. Where rounding or a K that is singular leaves no way there, x is what was
-    /// reached: the residual tells.
-    pub fn solve_in_place(&self, rhs: &mut [f64], goal: f64) -> usize {
+    /// Overwrites `rhs` by an x with ‖K x − rhs‖₂ ≤ `goal` and no motion at held dofs. Where rounding or a
+    /// singular K does not let the residual fall so far, x is the last iterate.
+    fn iterate(&self, rhs: &mut [f64], goal: f64) {
         let mut residual = rhs.to_vec();
         self.clear_held(&mut residual);
         let x = rhs;
@@ -103,16 +141,16 @@ impl TwoLevel {
         let mut z = self.precondition(&residual);
         let mut direction = z.clone();
         let mut product = dot(&residual, &z);
-        for iteration in 0..MOST_ITERATIONS {
+        for _ in 0..MOST_ITERATIONS {
             if dot(&residual, &residual).sqrt() <= goal {
-                return iteration;
+                return;
             }
             let mut force = self.matrix.multiply(&direction);
             self.clear_held(&mut force);
             let energy = dot(&direction, &force);
             // Also for what is not a number.
             if !(energy > 0.0 && product > 0.0) {
-                return iteration;
+                return;
             }
             let step = product / energy;
             add(x, step, &direction);
@@ -127,7 +165,6 @@ impl TwoLevel {
                 dofs.for_each(|(d, z)| *d = z + share * *d);
             });
         }
-        MOST_ITERATIONS
     }
 
     fn clear_held(&self, force: &mut [f64]) {
@@ -168,6 +205,25 @@ impl TwoLevel {
             z[1] = xy * x + yy * y + moved[1];
         });
         z
+    }
+}
+
+impl Factorisation for TwoLevel {
+    fn solve_in_place(&self, rhs: &mut [f64], goals: &[f64]) {
+        let cases = rhs.chunks_exact_mut(self.is_held.len()).zip(goals);
+        cases.for_each(|(rhs, &goal)| self.iterate(rhs, goal));
+    }
+
+    fn residual_goal(&self) -> f64 {
+        RESIDUAL_GOAL
+    }
+
+    fn entries(&self) -> usize {
+        self.coarse.values().len()
+    }
+
+    fn gains_by_guess(&self) -> bool {
+        true
     }
 }
 

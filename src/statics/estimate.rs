@@ -3,7 +3,7 @@
 use super::StaticsError;
 use super::structure::Structure;
 use crate::boundary::Boundary;
-use crate::linear_solver::Method;
+use crate::linear_solver::Backend;
 use crate::model::Model;
 use crate::phases::{Phases, held_memory, peak_memory};
 use std::time::Duration;
@@ -11,7 +11,7 @@ use std::time::Duration;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     pub dofs: usize,
-    pub method: Method,
+    pub backend: Backend,
     /// Of L; of the coarse level's where there are two, and then a guess.
     pub factor_entries: usize,
     /// Of the numeric factorisation.
@@ -54,7 +54,7 @@ const FRACTURE: f64 = 15e6;
 const KEPT: f64 = 0.5;
 
 impl Estimate {
-    /// `method`: how K is solved with, if its size is not to tell; `breaks`: whether bonds may break.
+    /// `backend`: what K is solved by, if its size is not to decide; `breaks`: whether bonds may break.
     ///
     /// # Errors
     /// [`SolverError::Ordering`](crate::linear_solver::SolverError::Ordering),
@@ -62,52 +62,49 @@ impl Estimate {
     pub fn new(
         model: &Model,
         boundary: &Boundary,
-        method: Option<Method>,
+        backend: Option<Backend>,
         breaks: bool,
     ) -> Result<Estimate, StaticsError> {
-        let structure = Structure::new(model, method, &mut Phases::default())?;
+        let structure = Structure::new(model, backend, &mut Phases::default())?;
         let springs = if breaks { model.springs.len() } else { 0 };
         Ok(Estimate::of(&structure, boundary, springs))
     }
 
     /// `springs`: how many may break.
     pub(super) fn of(structure: &Structure, boundary: &Boundary, springs: usize) -> Estimate {
-        let method = structure.method();
+        let backend = structure.solver.backend();
+        let size = structure.solver.size();
         let dofs = boundary.load.len();
         let stiffness = structure.stiffness_entries() as f64;
-        let factor_entries = structure.factor_entries();
-        let factor_entries = match method {
-            Method::Direct => factor_entries,
-            Method::TwoLevel => structure.expected_coarse_entries(),
-        };
-        let (copies, vectors) = match method {
+        let (copies, vectors) = match backend {
             // K as it is, and with its supports.
-            Method::Direct => (2.0, VECTORS),
-            Method::TwoLevel => (1.0, ITERATIVE_VECTORS),
+            Backend::Multifrontal | Backend::Faer => (2.0, VECTORS),
+            Backend::TwoLevel => (1.0, ITERATIVE_VECTORS),
         };
-        let kept = match method {
-            Method::Direct if springs > 0 => KEPT,
+        let kept = match backend {
+            Backend::Multifrontal if springs > 0 => KEPT,
             _ => 0.0,
         };
-        let factors =
-            (1.0 + kept) * factor_entries as f64 + WAITING * structure.waiting_entries() as f64;
+        let factors = (1.0 + kept) * size.entries as f64 + WAITING * size.waiting_entries as f64;
         let fracture = match springs {
             0 => 0.0,
             springs => FRACTURE + BREAKABLE * springs as f64,
         };
         let solving = ENTRY * (copies * stiffness + factors + vectors * dofs as f64) + fracture;
         let bytes = held_memory().unwrap_or(0) + solving as u64;
-        let seconds = match method {
-            Method::Direct => structure.flops() / FACTOR_RATE + stiffness / ENTRY_RATE,
-            Method::TwoLevel => {
+        let seconds = match backend {
+            Backend::Multifrontal | Backend::Faer => {
+                size.flops / FACTOR_RATE + stiffness / ENTRY_RATE
+            }
+            Backend::TwoLevel => {
                 stiffness / ENTRY_RATE / 10.0 + ITERATIONS * stiffness / ITERATION_RATE
             }
         };
         Estimate {
             dofs,
-            method,
-            factor_entries,
-            flops: structure.flops(),
+            backend,
+            factor_entries: size.entries,
+            flops: size.flops,
             bytes: bytes.max(peak_memory().unwrap_or(0)),
             time: Duration::from_secs_f64(seconds),
         }
@@ -137,7 +134,7 @@ mod tests {
     fn what_does_not_fit_is_refused_with_both_numbers() {
         let estimate = Estimate {
             dofs: 7,
-            method: Method::Direct,
+            backend: Backend::Multifrontal,
             factor_entries: 0,
             flops: 0.0,
             bytes: 400_000_000_000,

@@ -1,16 +1,16 @@
 //! K with its supports, ready to be solved with many times while springs break.
 
+use super::Solution;
 use super::system::{System, norm, vectors};
-use super::{Method, Solution, residual_goal};
 use crate::boundary::Boundary;
-use crate::linear_solver::Factor;
+use crate::linear_solver::Factorisation;
 use crate::linear_solver::compliance::UnitLoads;
 use crate::model::Model;
 
 /// K with its supports, ready to be solved with; bonds that break later are rank-one changes of it.
 pub struct Factorised {
     pub(super) system: System,
-    pub(super) factor: Factor,
+    pub(super) factor: Box<dyn Factorisation>,
     /// Stored entries of the factor, and multiplications and additions that it took.
     pub entries: usize,
     pub flops: f64,
@@ -22,55 +22,41 @@ impl Factorised {
         self.system.is_held[dof]
     }
 
-    /// L⁻¹ E of these dofs, nothing for held ones; from Cholesky's factor only.
+    /// L⁻¹ E of these dofs, nothing for held ones, if the backend has them.
     pub fn unit_loads(&self, dofs: &[usize]) -> Option<UnitLoads> {
-        let Factor::Cholesky(factor) = &self.factor else {
-            return None;
-        };
-        Some(factor.unit_loads(dofs, |dof| !self.is_held(dof)))
+        self.factor.unit_loads(dofs, &|dof| !self.is_held(dof))
     }
 
-    /// The place of a dof in the order of elimination, of Cholesky's factor.
+    /// The place of a dof in the order of elimination, if the backend has one.
     pub fn elimination(&self, dof: usize) -> Option<usize> {
-        match &self.factor {
-            Factor::Cholesky(factor) => Some(factor.column(dof)),
-            Factor::TwoLevel(_) => None,
-        }
+        self.factor.elimination(dof)
     }
 
     /// Multiplications and additions that it takes to follow a change between these nodes, as
-    /// [`Solver::refactorise`] does.
+    /// [`Solver::refactorise`](super::Solver::refactorise) does.
     pub fn flops_above(&self, nodes: &[u32]) -> f64 {
-        match &self.factor {
-            Factor::Cholesky(factor) => factor.flops_above(nodes),
-            Factor::TwoLevel(_) => self.flops,
-        }
+        let flops = self.factor.refactorisation_flops(nodes);
+        flops.unwrap_or(self.flops)
     }
 
     /// Overwrites forces [N] by the displacements [m] that they add, dof by dof, case after case.
     pub fn respond(&self, forces: &mut [f64]) {
         self.clear_held(forces);
-        match &self.factor {
-            Factor::Cholesky(factor) => factor.solve_in_place(forces),
-            factor => {
-                for case in forces.chunks_exact_mut(self.dofs()) {
-                    let goal = residual_goal(factor.method()) * norm(case);
-                    factor.solve_in_place(case, goal);
-                }
-            }
-        }
+        let goal = self.factor.residual_goal();
+        let cases = forces.chunks_exact(self.dofs());
+        let goals: Vec<f64> = cases.map(|case| goal * norm(case)).collect();
+        self.factor.solve_in_place(forces, &goals);
         // Held dofs stand apart in the factor, so that this clears signed zeros only.
         self.clear_held(forces);
     }
 
     /// The same where only the displacements of some nodes are asked for; those of others may be missing.
     pub fn respond_at(&self, nodes: &[u32], forces: &mut [f64]) {
-        let Factor::Cholesky(factor) = &self.factor else {
-            return self.respond(forces);
-        };
         self.clear_held(forces);
-        factor.solve_at(nodes, forces);
-        self.clear_held(forces);
+        match self.factor.solve_at(nodes, forces) {
+            true => self.clear_held(forces),
+            false => self.respond(forces),
+        }
     }
 
     fn clear_held(&self, forces: &mut [f64]) {
@@ -120,9 +106,9 @@ impl Factorised {
         self.system.is_held.len()
     }
 
-    /// Whether there are factors, which answer to many forces at little cost.
-    pub fn is_direct(&self) -> bool {
-        self.factor.method() == Method::Direct
+    /// Whether the response to changes of K follows from compliances of few dofs.
+    pub fn has_compliances(&self) -> bool {
+        self.factor.has_compliances()
     }
 
     /// K u [N].

@@ -2,7 +2,7 @@
 
 use crate::assembly::LowerMatrix;
 use crate::boundary::Boundary;
-use crate::linear_solver::Factor;
+use crate::linear_solver::Factorisation;
 use std::collections::BTreeSet;
 
 const MOST_REFINEMENTS: usize = 3;
@@ -77,9 +77,8 @@ impl System {
     pub fn solve(
         &self,
         case: &Case,
-        factor: &Factor,
+        factor: &dyn Factorisation,
         guess: Option<&[[f64; 2]]>,
-        goal: f64,
     ) -> Solved {
         let prescribed: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
         let (mut found, mut residual) = self.at(case, prescribed);
@@ -87,7 +86,7 @@ impl System {
         if scale == 0.0 {
             return found;
         }
-        if let (Some(guess), Factor::TwoLevel(_)) = (guess, factor) {
+        if let Some(guess) = guess.filter(|_| factor.gains_by_guess()) {
             let mut u = found.displacement;
             let free = u.iter_mut().zip(guess.as_flattened()).zip(&self.is_held);
             let free = free.filter(|(_, held)| !**held);
@@ -95,12 +94,13 @@ impl System {
             (found, residual) = self.at(case, u);
         }
         found.residual /= scale;
+        let goal = factor.residual_goal();
         for turn in 0..=MOST_REFINEMENTS {
             if found.residual < goal {
                 break;
             }
             let mut correction = residual;
-            factor.solve_in_place(&mut correction, 0.5 * goal * scale);
+            factor.solve_in_place(&mut correction, &[0.5 * goal * scale]);
             let u = found.displacement.iter().zip(&correction);
             let (mut refined, rest) = self.at(case, u.map(|(u, c)| u + c).collect());
             refined.residual /= scale;

@@ -154,7 +154,7 @@ mod tests {
             dofs: 10,
             stiffness_entries: 40,
             factor_entries: 100,
-            method: crate::statics::Method::Direct,
+            backend: crate::statics::Backend::Multifrontal,
         };
         let memory = costs.memory(size);
         assert_eq!(

@@ -50,7 +50,8 @@ pub fn parse(source: &Source) -> Result<Spec, InputError> {
     let count = (1..overrides.len())
         .find(first_bad)
         .unwrap_or(overrides.len());
-    let Told { message, help, .. } = tell(&error);
+    let (key, _) = &overrides[count - 1];
+    let Told { message, help, .. } = tell(&error, key);
     let option = option(&overrides[count - 1]);
     Err(InputError::plain(
         format!("{message} (by `{option}`)"),
@@ -78,7 +79,7 @@ fn document(source: &Source) -> Result<Yaml, InputError> {
         return Err(source.error_at_mark(twice.key.span(), message, Some(help)));
     }
     let document: Yaml = serde_yaml::from_str(source.text()).map_err(|error| {
-        let Told { message, .. } = tell(&error);
+        let Told { message, .. } = tell(&error, "");
         let at = error.location().map_or(0, |location| location.index());
         let line = source.line_at_byte(at);
         let help = if line.starts_with('\t') || line.trim_start_matches(' ').starts_with('\t') {
@@ -164,7 +165,7 @@ fn located(source: &Source, error: &serde_yaml::Error) -> InputError {
         message,
         help,
         of_file,
-    } = tell(error);
+    } = tell(error, "");
     match error.location() {
         Some(location) if !of_file => source.error_at_byte(location.index(), message, help),
         _ => source.error_in_file(message, help),
@@ -179,9 +180,10 @@ struct Told {
     of_file: bool,
 }
 
-fn tell(error: &serde_yaml::Error) -> Told {
+/// `key`: the key that holds the error, if serde does not name it.
+fn tell(error: &serde_yaml::Error, key: &str) -> Told {
     let full = error.to_string();
-    tell_text(full.split(" at line ").next().unwrap_or(&full))
+    tell_text(full.split(" at line ").next().unwrap_or(&full), key)
 }
 
 /// serde's ways to begin, behind the path.
@@ -193,7 +195,7 @@ const KINDS: [&str; 5] = [
     "invalid length ",
 ];
 
-fn tell_text(text: &str) -> Told {
+fn tell_text(text: &str, key: &str) -> Told {
     let found = KINDS
         .iter()
         .filter_map(|kind| Some((text.find(kind)?, *kind)))
@@ -235,9 +237,10 @@ fn tell_text(text: &str) -> Told {
         }
         "unknown variant " => {
             let word = quoted.next().unwrap_or_default();
-            match RemovedWord::find(&path, word) {
+            let key = if path.is_empty() { key } else { &path };
+            match RemovedWord::find(key, word) {
                 Some(removed) => (
-                    format!("{subject} cannot be `{word}`: {}", removed.reason),
+                    format!("`{key}` cannot be `{word}`: {}", removed.reason),
                     Some(removed.replacement.to_owned()),
                 ),
                 None => (
@@ -335,7 +338,7 @@ mod tests {
             ),
         ];
         for (serde, told) in cases {
-            assert_eq!(tell_text(serde).message, told);
+            assert_eq!(tell_text(serde, "").message, told);
         }
     }
 }

@@ -102,7 +102,7 @@ impl Outcome<'_> {
                 "clipped_bonds": model.springs.clipped_bonds().len(),
                 "dofs": self.solved.solution.size.dofs,
                 "stiffness_entries": self.solved.solution.size.stiffness_entries,
-                "method": self.solved.solution.size.method.describe(),
+                "method": self.solved.solution.size.backend.describe(),
                 "factor_entries": self.solved.solution.size.factor_entries,
             },
             "lattices": model.points.iter().map(|p| self.lattice_summary(p)).collect::<Vec<_>>(),

@@ -33,7 +33,7 @@ use crate::pipeline::record::writer::{HISTORY_FILE, Written};
 use crate::pipeline::show::damage_picture::DAMAGE_PICTURE;
 use crate::pipeline::show::report::REPORT_FILE;
 use crate::pipeline::show::results::Outcome;
-use crate::statics::{self, Method, Solution};
+use crate::statics::{self, Backend, Solution};
 use crate::trace::{Kind, Trace};
 use rayon::prelude::*;
 use serde_json::Value;
@@ -327,8 +327,8 @@ impl Run<'_> {
         };
         let solved = match &self.plan.loading {
             None => {
-                let method = self.options.resolution.method();
-                solve_once(model, boundary, method, &mut costs.phases)?
+                let backend = self.options.resolution.backend();
+                solve_once(model, boundary, backend, &mut costs.phases)?
             }
             Some(loading) => self.break_apart(loading, model, &recipe, &mut costs)?,
         };
@@ -534,10 +534,10 @@ impl Run<'_> {
 fn solve_once(
     model: &Model,
     boundary: &Boundary,
-    method: Option<Method>,
+    backend: Option<Backend>,
     phases: &mut Phases,
 ) -> Result<Solved, RunError> {
-    let solution = statics::solve_by(model, boundary, method, phases)?;
+    let solution = statics::solve_by(model, boundary, backend, phases)?;
     Ok(Solved {
         solution,
         integrity: model.integrity.clone(),

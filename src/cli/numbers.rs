@@ -1,45 +1,42 @@
 //! What a run prints when it is done: the numbers that a person wants to see, and the files.
 
+use crate::pipeline::account::summary::{
+    Event, FractureSummary, PhaseSummary, ProbeSummary, Summary,
+};
 use crate::pipeline::read::plan::Plan;
+use crate::pipeline::read::spec::Control;
 use crate::pipeline::record::writer;
 use crate::pipeline::show::damage_picture::DAMAGE_PICTURE;
 use crate::pipeline::show::report::REPORT_FILE;
-use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// Numbers that a person wants to see, to standard output.
-pub(super) fn print_numbers(summary: &Value) {
-    for probe in list_in(summary, "probes") {
-        print_probe(&probe);
+pub(super) fn print_numbers(summary: &Summary) {
+    summary.probes.iter().for_each(print_probe);
+    if let Some(fracture) = &summary.fracture {
+        print_fracture(&summary.outcome, fracture);
     }
-    print_fracture(summary);
-    print_reactions(&summary["reactions_n"]);
-}
-
-fn list_in(summary: &Value, key: &str) -> Vec<Value> {
-    summary[key].as_array().cloned().unwrap_or_default()
+    print_reactions(&summary.reactions_n);
 }
 
 /// The picture that tells most.
-pub(super) fn print_picture(plan: &Plan, summary: &Value) {
-    let files = list_in(summary, "files");
-    let is_there = |name: &&str| files.iter().any(|file| file == name);
+pub(super) fn print_picture(plan: &Plan, summary: &Summary) {
+    let is_there = |name: &&str| summary.files.iter().any(|file| file == name);
     let pictures = [DAMAGE_PICTURE, "displacement_x.png"];
     if let Some(picture) = pictures.into_iter().find(is_there) {
         println!("  {}/{picture}", plan.folder.display());
     }
 }
 
-pub(super) fn print_files(plan: &Plan, summary: &Value) {
+pub(super) fn print_files(plan: &Plan, summary: &Summary) {
     let folder = plan.folder.display();
-    let files = list_in(summary, "files");
-    let files = || files.iter().filter_map(Value::as_str);
-    if files().any(|file| file == REPORT_FILE) {
+    if summary.files.iter().any(|file| file == REPORT_FILE) {
         println!("  {folder}/{REPORT_FILE}  (all of it on one page, for a browser)");
     }
-    if !summary["fracture"].is_null() {
+    if summary.fracture.is_some() {
         println!("  {folder}/{}  (a line per step)", writer::HISTORY_FILE);
     }
-    for file in files() {
+    for file in &summary.files {
         let what = match file.rsplit('.').next() {
             // Listed by the series, or above, or meant for `view`.
             Some("vtu" | "html" | "py") => continue,
@@ -62,77 +59,59 @@ pub(super) fn print_next(plan: &Plan) {
 }
 
 /// Onset, peak and end of a fracture run, each with what the pipeline gives as its reference.
-fn print_fracture(summary: &Value) {
-    let fracture = &summary["fracture"];
-    if fracture.is_null() {
-        return;
-    }
-    let event = |title: &str, event: &Value, reference: &Value| {
-        let reference = reference
-            .as_u64()
-            .map(|step| format!(" (reference: step {step})"));
-        let Some(step) = event["step"].as_u64() else {
-            println!("  {title}: never{}", reference.unwrap_or_default());
-            return;
-        };
-        println!(
-            "  {title}: step {step}{}, at {:.4e} m and {:.4e} N",
-            reference.unwrap_or_default(),
-            event["grip_displacement_m"].as_f64().unwrap_or(f64::NAN),
-            event["reaction_n"].as_f64().unwrap_or(f64::NAN)
-        );
+fn print_fracture(outcome: &str, fracture: &FractureSummary) {
+    let print = |title: &str, event: &Option<Event>, reference: Option<usize>| {
+        let reference = reference.map(|step| format!(" (reference: step {step})"));
+        let reference = reference.unwrap_or_default();
+        match event {
+            Some(event) => println!(
+                "  {title}: step {}{reference}, at {:.4e} m and {:.4e} N",
+                event.step, event.grip_displacement_m, event.reaction_n
+            ),
+            None => println!("  {title}: never{reference}"),
+        }
     };
-    let reference = &fracture["reference"];
     // The references count load steps, and the events of the event-driven control are none.
-    let no_reference = Value::Null;
-    let is_event_driven = fracture["control"] == "event-driven";
-    let reference = if is_event_driven {
-        &no_reference
-    } else {
-        reference
-    };
-    event(
+    let is_event_driven = fracture.control == Some(Control::EventDriven);
+    let reference = fracture.reference.filter(|_| !is_event_driven);
+    let reference = reference.unwrap_or_default();
+    print(
         "first bond broken",
-        &fracture["first_break"],
-        &reference["first_break"],
+        &fracture.first_break,
+        reference.first_break,
     );
-    event("peak reaction", &fracture["peak"], &Value::Null);
+    print("peak reaction", &fracture.peak, None);
     if is_event_driven {
-        event("largest load", &fracture["envelope_peak"], &Value::Null);
+        print("largest load", &fracture.envelope_peak, None);
     }
-    let ending = summary["outcome"].as_str().unwrap_or("ended");
-    event(ending, &fracture["end"], &reference["separated"]);
-    let fragments = fracture["fragments"].as_array();
-    if let Some(fragments) = fragments.filter(|list| !list.is_empty()) {
-        let nodes: u64 = fragments.iter().filter_map(Value::as_u64).sum();
+    print(outcome, &fracture.end, reference.separated);
+    if !fracture.fragments.is_empty() {
         println!(
-            "  come off: {} parts of {nodes} points in all",
-            fragments.len()
+            "  come off: {} parts of {} points in all",
+            fracture.fragments.len(),
+            fracture.fragments.iter().sum::<usize>()
         );
     }
-    if let Some(reason) = fracture["stopped_because"].as_str() {
+    if let Some(reason) = &fracture.stopped_because {
         println!("  because {reason}");
     }
     println!(
         "  bonds broken: {}; crack length: {:.4e} m",
-        fracture["bonds_broken"],
-        fracture["crack_length_m"].as_f64().unwrap_or(f64::NAN)
+        fracture.bonds_broken,
+        fracture.crack_length_m.unwrap_or(f64::NAN)
     );
 }
 
 /// Components below this share of the largest are what rounding leaves of zero.
 const ROUNDING: f64 = 1e-9;
 
-fn print_reactions(reactions: &Value) {
-    let groups = || reactions.as_object().into_iter().flatten();
-    let number = |reaction: &Value, axis: usize| reaction[axis].as_f64().unwrap_or(0.0);
-    let largest = groups()
-        .flat_map(|(_, reaction)| [0, 1].map(|axis| number(reaction, axis).abs()))
-        .fold(0.0, f64::max);
-    for (group, reaction) in groups() {
-        let [x, y] = [0, 1].map(|axis| match number(reaction, axis) {
-            force if force.abs() > ROUNDING * largest => format!("{force:.6e}"),
-            _ => "0".to_owned(),
+fn print_reactions(reactions: &BTreeMap<String, [f64; 2]>) {
+    let forces = reactions.values().flatten();
+    let largest = forces.fold(0.0, |largest: f64, force| largest.max(force.abs()));
+    for (group, reaction) in reactions {
+        let [x, y] = reaction.map(|force| match force.abs() > ROUNDING * largest {
+            true => format!("{force:.6e}"),
+            false => "0".to_owned(),
         });
         println!("  reaction on {group}: ({x}, {y}) N");
     }
@@ -147,16 +126,12 @@ fn percent(error: f64) -> String {
     }
 }
 
-fn print_probe(probe: &Value) {
-    let text = |key: &str| probe[key].as_str().unwrap_or("");
-    let number = |key: &str| probe[key].as_f64();
+fn print_probe(probe: &ProbeSummary) {
     let mut line = format!(
         "  {}: u_{} = {:.5e} m",
-        text("name"),
-        text("component"),
-        number("displacement_m").unwrap_or(f64::NAN)
+        probe.name, probe.component, probe.displacement_m
     );
-    if let (Some(reference), Some(error)) = (number("reference_m"), number("error")) {
+    if let (Some(reference), Some(error)) = (probe.reference_m, probe.error) {
         line.push_str(&format!(
             "  ({} of the reference {reference:.4e} m)",
             percent(error)
@@ -166,18 +141,17 @@ fn print_probe(probe: &Value) {
 }
 
 /// What the time went into, the most first.
-pub(super) fn print_phases(summary: &Value) {
-    let mut phases = list_in(summary, "phases");
-    let seconds = |phase: &Value| phase["seconds"].as_f64().unwrap_or(0.0);
-    phases.sort_by(|a, b| seconds(b).total_cmp(&seconds(a)));
+pub(super) fn print_phases(summary: &Summary) {
+    let mut phases: Vec<&PhaseSummary> = summary.costs.phases.iter().collect();
+    phases.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
     println!("  {:<24}{:>10}{:>8}{:>10}", "phase", "s", "share", "times");
-    for phase in &phases {
+    for phase in phases {
         println!(
             "  {:<24}{:>10.4}{:>6.1} %{:>10}",
-            phase["phase"].as_str().unwrap_or_default(),
-            seconds(phase),
-            100.0 * phase["share"].as_f64().unwrap_or(0.0),
-            phase["count"].as_u64().unwrap_or(0)
+            phase.phase,
+            phase.seconds,
+            100.0 * phase.share,
+            phase.count
         );
     }
 }

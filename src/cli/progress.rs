@@ -2,6 +2,7 @@
 //! JSON per event.
 
 use super::with_causes;
+use crate::pipeline::account::summary::Summary;
 use crate::pipeline::error::RunError;
 use crate::pipeline::record::stamp::Stage;
 use crate::pipeline::stages::run::{Observer, Step};
@@ -88,7 +89,7 @@ impl JsonLines {
     }
 
     /// The end: what `summary.json` holds, or null where the run ends before its output stage.
-    pub(super) fn done(&self, summary: &Value) {
+    pub(super) fn done(&self, summary: Option<&Summary>) {
         self.line("done", json!({ "summary": summary }));
     }
 }

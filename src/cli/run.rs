@@ -6,6 +6,7 @@ use super::solver::SolverArguments;
 use super::{Common, INTERRUPTED, code_of, for_each, report};
 use crate::fracture::control::{Ending, Resolution};
 use crate::pipeline::account::profile;
+use crate::pipeline::account::summary::Summary;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::Plan;
 use crate::pipeline::read::source::InputError;
@@ -14,7 +15,6 @@ use crate::pipeline::stages::run::{self, Options, Standing};
 use crate::trace::Trace;
 use clap::{Args, ValueEnum};
 use rayon::ThreadPoolBuilder;
-use serde_json::Value;
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -175,9 +175,9 @@ fn check_trace(file: &Path) -> Result<(), InputError> {
 fn run_one(plan: &Plan, options: &Options, arguments: &RunArguments) -> Result<(), RunError> {
     if arguments.json {
         let mut lines = JsonLines::new(&plan.name);
-        let summary = run::run(plan, options, &mut lines)?.unwrap_or(Value::Null);
-        lines.done(&summary);
-        return good_end(plan, &summary);
+        let summary = run::run(plan, options, &mut lines)?;
+        lines.done(summary.as_ref());
+        return summary.map_or(Ok(()), |summary| good_end(plan, &summary));
     }
     if arguments.verbose {
         tell_reasons(plan)?;
@@ -216,13 +216,13 @@ fn tell_reasons(plan: &Plan) -> Result<(), RunError> {
 }
 
 /// A run that ended since there was no solution is an error, told behind its results.
-fn good_end(plan: &Plan, summary: &Value) -> Result<(), RunError> {
-    let fracture = &summary["fracture"];
-    match fracture["stopped_because"].as_str() {
-        Some(reason) if summary["outcome"] == Ending::Singular.describe() => {
+fn good_end(plan: &Plan, summary: &Summary) -> Result<(), RunError> {
+    let fracture = summary.fracture.as_ref();
+    match fracture.and_then(|fracture| Some((fracture, fracture.stopped_because.as_ref()?))) {
+        Some((fracture, reason)) if summary.outcome == Ending::Singular.describe() => {
             Err(RunError::Stopped {
-                step: fracture["end"]["step"].as_u64().unwrap_or(0),
-                reason: reason.to_owned(),
+                step: fracture.end.as_ref().map_or(0, |end| end.step),
+                reason: reason.clone(),
                 folder: plan.folder.clone(),
             })
         }

@@ -6,7 +6,6 @@ use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::Plan;
 use crate::pipeline::read::source::InputError;
 use crate::pipeline::show::view::VIEW_FILE;
-use serde_json::Value;
 use std::env;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -121,14 +120,9 @@ fn reason(output: &Output) -> String {
 
 /// The steps that can be drawn are those with a frame.
 fn check_step(plan: &Plan, step: usize) -> Result<(), InputError> {
-    let summary = read_summary(&plan.folder).unwrap_or_default();
-    let frames = summary["fracture"]["frames"].as_array();
-    let frames: Vec<u64> = frames
-        .into_iter()
-        .flatten()
-        .filter_map(Value::as_u64)
-        .collect();
-    if frames.contains(&(step as u64)) {
+    let fracture = read_summary(&plan.folder).and_then(|summary| summary.fracture);
+    let frames = fracture.map_or_else(Vec::new, |fracture| fracture.frames);
+    if frames.contains(&step) {
         return Ok(());
     }
     let there: Vec<String> = frames.iter().map(ToString::to_string).collect();

@@ -39,7 +39,7 @@ pub enum RunError {
     /// What there is has been written.
     #[error("the run stopped behind step {step}: {reason}")]
     Stopped {
-        step: u64,
+        step: usize,
         reason: String,
         folder: PathBuf,
     },

@@ -11,5 +11,6 @@ pub mod parts;
 pub mod pictures;
 pub mod report;
 pub mod results;
+pub mod summary;
 pub mod view;
 pub mod workshop;

@@ -1,11 +1,11 @@
 //! What a run costs: times of its phases, bytes of its files, memory; and how a stage's share of that is
 //! kept for the summary of a later run, which finds the stage fresh.
 
-use super::made::{Made, account};
+use super::made::Made;
+use super::summary::{CostSummary, FilesSummary, MemorySummary, PhaseSummary, WrittenSummary};
 use crate::phases::{Phase, Phases};
 use crate::statics::SystemSize;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 use std::time::Duration;
 
 /// Of a stage, or of several.
@@ -15,8 +15,8 @@ pub struct Costs {
     pub phases: Phases,
     /// On other threads, meanwhile.
     pub behind: Phases,
-    /// The frames that the solve has written: their account.
-    pub frames: Value,
+    /// The frames that the solve has written.
+    pub frames: Option<FilesSummary>,
     /// Results of the output stage.
     pub made: Vec<Made>,
     /// The most memory that the process had held by then [bytes].
@@ -27,53 +27,46 @@ impl Costs {
     pub(crate) fn append(&mut self, costs: Costs) {
         self.phases.append(costs.phases.list);
         self.behind.append(costs.behind.list);
-        if !costs.frames.is_null() {
-            self.frames = costs.frames;
-        }
+        self.frames = costs.frames.or(self.frames.take());
         self.made.extend(costs.made);
         self.peak_memory = self.peak_memory.max(costs.peak_memory);
     }
 
-    /// For the summary: `phases`, `behind`, `seconds`.
-    pub(crate) fn times(&self) -> [Value; 3] {
-        let whole = self.phases.total();
-        [
-            list(&self.phases, whole),
-            list(&self.behind, whole),
-            json!(whole.as_secs_f64()),
-        ]
+    pub(crate) fn summary(&self, size: SystemSize) -> CostSummary {
+        let whole = self.phases.total().as_secs_f64();
+        let list = |phases: &Phases| {
+            let entry = |phase: &Phase| PhaseSummary {
+                phase: phase.name.to_string(),
+                count: phase.count,
+                seconds: phase.time.as_secs_f64(),
+                share: phase.time.as_secs_f64() / whole,
+            };
+            phases.list.iter().map(entry).collect()
+        };
+        CostSummary {
+            phases: list(&self.phases),
+            seconds: whole,
+            behind: list(&self.behind),
+            written: WrittenSummary {
+                vtu: FilesSummary::new(&self.made, ".vtu"),
+                pictures: FilesSummary::new(&self.made, ".png"),
+                frames: self.frames.clone(),
+            },
+            memory: self.memory(size),
+            peak_memory_bytes: self.peak_memory,
+        }
     }
 
-    /// For the summary: what went to the disk.
-    pub(crate) fn written(&self) -> Value {
-        json!({
-            "vtu": account(&self.made, ".vtu"),
-            "pictures": account(&self.made, ".png"),
-            "frames": self.frames,
-        })
-    }
-
-    /// For the summary: the most memory beside that of one factor L.
-    pub(crate) fn memory(&self, size: SystemSize) -> Value {
+    fn memory(&self, size: SystemSize) -> MemorySummary {
         let factor = (size_of::<f64>() * size.factor_entries) as u64;
-        json!({
-            "peak_bytes": self.peak_memory,
-            "factor_bytes": factor,
-            "peak_over_factor": self.peak_memory.map(|peak| peak as f64 / factor as f64),
-        })
+        // A system without entries of L has no such ratio.
+        let ratio = |peak: u64| (factor > 0).then_some(peak as f64 / factor as f64);
+        MemorySummary {
+            peak_bytes: self.peak_memory,
+            factor_bytes: factor,
+            peak_over_factor: self.peak_memory.and_then(ratio),
+        }
     }
-}
-
-fn list(phases: &Phases, whole: Duration) -> Value {
-    let entry = |phase: &Phase| {
-        json!({
-            "phase": phase.name,
-            "count": phase.count,
-            "seconds": phase.time.as_secs_f64(),
-            "share": phase.time.as_secs_f64() / whole.as_secs_f64(),
-        })
-    };
-    phases.list.iter().map(entry).collect()
 }
 
 /// What a manifest keeps of a stage's costs.
@@ -81,7 +74,7 @@ fn list(phases: &Phases, whole: Duration) -> Value {
 pub struct StoredCosts {
     phases: Vec<StoredPhase>,
     behind: Vec<StoredPhase>,
-    frames: Value,
+    frames: Option<FilesSummary>,
     peak_memory: Option<u64>,
 }
 
@@ -157,10 +150,7 @@ mod tests {
             backend: crate::statics::Backend::Multifrontal,
         };
         let memory = costs.memory(size);
-        assert_eq!(
-            [&memory["factor_bytes"], &memory["peak_bytes"]],
-            [800, 1200]
-        );
-        assert_eq!(memory["peak_over_factor"], 1.5);
+        assert_eq!((memory.factor_bytes, memory.peak_bytes), (800, Some(1200)));
+        assert_eq!(memory.peak_over_factor, Some(1.5));
     }
 }

@@ -9,11 +9,12 @@ use super::pictures::Sheet;
 use super::results::Outcome;
 use crate::output::write_whole;
 use crate::pipeline::account::made::Made;
+use crate::pipeline::account::summary::{Event, FractureSummary, ProbeSummary, Summary};
 use crate::pipeline::error::ResultsError;
 use crate::pipeline::error::RunError;
-use crate::pipeline::read::spec::Format;
+use crate::pipeline::read::spec::{Control, Format};
 use page::{Figure, FramePicture, HistoryPoint, Input, Report};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
 
@@ -50,11 +51,11 @@ impl Outcome<'_> {
         folder: &Path,
         made: &[Made],
         reel: Option<&Reel>,
-        summary: &Value,
+        summary: &Summary,
     ) -> Result<(), RunError> {
         let report = Report {
             title: self.plan.name.clone(),
-            outcome: self.headline(summary),
+            outcome: headline(summary),
             numbers: numbers(summary),
             frames: match reel {
                 Some(reel) => self.frames(reel)?,
@@ -63,22 +64,11 @@ impl Outcome<'_> {
             chart: self.chart()?,
             pictures: self.figures(folder, made),
             inputs: self.inputs(),
-            table: table(summary),
+            table: table(&json!(summary)),
         };
         let html = report.to_html();
         let path = folder.join(REPORT_FILE);
         Ok(write_whole(&path, html.as_bytes())?)
-    }
-
-    fn headline(&self, summary: &Value) -> String {
-        let version = &summary["versions"];
-        let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
-        format!(
-            "{}. peristitch {}, Gmsh {}",
-            text(&summary["outcome"]),
-            text(&version["peristitch"]),
-            text(&version["gmsh"])
-        )
     }
 
     fn frames(&self, reel: &Reel) -> Result<Vec<FramePicture>, RunError> {
@@ -222,93 +212,101 @@ fn quantity(value: f64, unit: &str) -> String {
     format!("{number} {unit}").trim_end().to_owned()
 }
 
+fn headline(summary: &Summary) -> String {
+    let version = |program: &str| summary.versions.get(program).map_or("", String::as_str);
+    format!(
+        "{}. peristitch {}, Gmsh {}",
+        summary.outcome,
+        version("peristitch"),
+        version("gmsh")
+    )
+}
+
 /// Name and value of what is asked for first.
-fn numbers(summary: &Value) -> Vec<[String; 2]> {
+fn numbers(summary: &Summary) -> Vec<[String; 2]> {
     let mut rows = Vec::new();
     let mut row = |name: &str, value: String| rows.push([name.to_owned(), value]);
-    let fracture = &summary["fracture"];
-    let control = fracture["control"].as_str().unwrap_or_default();
-    let events = [
-        ("first_break", "first bond broken"),
-        ("peak", "largest reaction"),
-        ("envelope_peak", "largest load factor"),
-        ("end", summary["outcome"].as_str().unwrap_or("end")),
-    ];
-    for (key, name) in events {
-        let event = &fracture[key];
-        // Under the other controls the load only grows: its end.
-        if key == "envelope_peak" && control != "event-driven" {
-            continue;
-        }
-        if let Some(step) = event["step"].as_u64() {
-            let number = |key: &str| event[key].as_f64().unwrap_or(f64::NAN);
-            let reference = match (key, control) {
-                (_, "event-driven") => None,
-                ("first_break", _) => fracture["reference"]["first_break"].as_u64(),
-                ("end", _) => fracture["reference"]["separated"].as_u64(),
-                _ => None,
-            };
+    if let Some(fracture) = &summary.fracture {
+        for (name, event, reference) in events(summary, fracture) {
             let reference =
                 reference.map_or_else(String::new, |step| format!(" (reference: step {step})"));
             row(
                 name,
                 format!(
-                    "step {step}{reference}: load factor {}, grip displacement {}, reaction {}",
-                    quantity(number("load_factor"), ""),
-                    quantity(number("grip_displacement_m"), "m"),
-                    quantity(number("reaction_n"), "N")
+                    "step {}{reference}: load factor {}, grip displacement {}, reaction {}",
+                    event.step,
+                    quantity(event.load_factor, ""),
+                    quantity(event.grip_displacement_m, "m"),
+                    quantity(event.reaction_n, "N")
                 ),
             );
         }
-    }
-    if !fracture.is_null() {
-        row("control", control.to_owned());
-        row("bonds broken", fracture["bonds_broken"].to_string());
-        if let Some(length) = fracture["crack_length_m"].as_f64() {
+        row("control", plain(&json!(fracture.control)));
+        row("bonds broken", fracture.bonds_broken.to_string());
+        if let Some(length) = fracture.crack_length_m {
             row("crack length", quantity(length, "m"));
         }
     }
-    for probe in summary["probes"].as_array().into_iter().flatten() {
-        row(
-            &format!("probe {}", probe["name"].as_str().unwrap_or_default()),
-            described_probe(probe),
-        );
+    for probe in &summary.probes {
+        row(&format!("probe {}", probe.name), described_probe(probe));
     }
-    let groups = || summary["reactions_n"].as_object().into_iter().flatten();
-    let force = |value: &Value, axis: usize| value[axis].as_f64().unwrap_or(f64::NAN);
-    let largest = groups()
-        .flat_map(|(_, value)| [0, 1].map(|axis| force(value, axis).abs()))
-        .fold(0.0, f64::max);
-    for (group, value) in groups() {
-        let [x, y] = [0, 1].map(|axis| match force(value, axis) {
-            force if force.abs() <= ROUNDING * largest => "0".to_owned(),
-            force => quantity(force, "N"),
+    let forces = summary.reactions_n.values().flatten();
+    let largest = forces.fold(0.0, |largest: f64, force| largest.max(force.abs()));
+    for (group, reaction) in &summary.reactions_n {
+        let [x, y] = reaction.map(|force| match force.abs() <= ROUNDING * largest {
+            true => "0".to_owned(),
+            false => quantity(force, "N"),
         });
         row(&format!("reaction on {group}"), format!("x {x}, y {y}"));
     }
-    let sizes = [
-        ("finite_elements", "finite elements"),
-        ("finite_element_nodes", "their nodes"),
-        ("material_points", "material points"),
-        ("bonds", "bonds"),
-        ("trusses", "trusses"),
-        ("dofs", "unknowns"),
-    ];
-    for (key, name) in sizes {
-        row(name, summary["sizes"][key].to_string());
+    let sizes = &summary.sizes;
+    for (name, count) in [
+        ("finite elements", sizes.finite_elements),
+        ("their nodes", sizes.finite_element_nodes),
+        ("material points", sizes.material_points),
+        ("bonds", sizes.bonds),
+        ("trusses", sizes.trusses),
+        ("unknowns", sizes.dofs),
+    ] {
+        row(name, count.to_string());
     }
-    if let Some(residual) = summary["residual"].as_f64() {
-        row("residual", format!("{residual:.1e}"));
-    }
+    row("residual", format!("{:.1e}", summary.residual));
     rows
 }
 
-fn described_probe(probe: &Value) -> String {
-    let value = probe["displacement_m"].as_f64().unwrap_or(f64::NAN);
-    let component = probe["component"].as_str().unwrap_or_default();
-    let mut text = format!("u_{component} = {value:.5e} m");
-    if let (Some(reference), Some(error)) = (probe["reference_m"].as_f64(), probe["error"].as_f64())
-    {
+/// The steps that are asked for first, each with its name and the pipeline's reference for it.
+fn events<'a>(
+    summary: &'a Summary,
+    fracture: &'a FractureSummary,
+) -> Vec<(&'a str, &'a Event, Option<usize>)> {
+    // The references count load steps, and the events of the event-driven control are none; under the
+    // other controls the load only grows, so that the largest load is the end.
+    let is_event_driven = fracture.control == Some(Control::EventDriven);
+    let reference = fracture.reference.filter(|_| !is_event_driven);
+    let largest_load = fracture.envelope_peak.as_ref().filter(|_| is_event_driven);
+    let events = [
+        (
+            "first bond broken",
+            fracture.first_break.as_ref(),
+            reference.and_then(|reference| reference.first_break),
+        ),
+        ("largest reaction", fracture.peak.as_ref(), None),
+        ("largest load factor", largest_load, None),
+        (
+            &summary.outcome,
+            fracture.end.as_ref(),
+            reference.and_then(|reference| reference.separated),
+        ),
+    ];
+    let there = events.into_iter();
+    there
+        .filter_map(|(name, event, reference)| Some((name, event?, reference)))
+        .collect()
+}
+
+fn described_probe(probe: &ProbeSummary) -> String {
+    let mut text = format!("u_{} = {:.5e} m", probe.component, probe.displacement_m);
+    if let (Some(reference), Some(error)) = (probe.reference_m, probe.error) {
         text += &format!(
             "; reference {reference:.5e} m, error {:+.2} %",
             100.0 * error
@@ -363,7 +361,6 @@ fn plain(value: &Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
 
     #[test]
     fn the_table_has_the_numbers_and_no_costs() {

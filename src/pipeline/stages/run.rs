@@ -16,8 +16,7 @@ use crate::model::Model;
 use crate::output::write_whole;
 use crate::phases::{Phases, peak_memory};
 use crate::pipeline::account::costs::{Costs, StoredCosts};
-use crate::pipeline::account::made::account;
-use crate::pipeline::account::summary::{SUMMARY_FILE, read_summary};
+use crate::pipeline::account::summary::{FilesSummary, SUMMARY_FILE, Summary, read_summary};
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::{Loading, Plan};
 use crate::pipeline::record::folder::{
@@ -36,7 +35,6 @@ use crate::pipeline::show::results::Outcome;
 use crate::statics::{self, Backend, Solution};
 use crate::trace::{Kind, Trace};
 use rayon::prelude::*;
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::time::Instant;
@@ -122,7 +120,7 @@ pub fn run(
     plan: &Plan,
     options: &Options,
     observer: &mut dyn Observer,
-) -> Result<Option<Value>, RunError> {
+) -> Result<Option<Summary>, RunError> {
     let _span = options.trace.span(Kind::Run, plan.name.clone());
     let mut run = Run {
         plan,
@@ -251,7 +249,7 @@ impl Run<'_> {
     }
 
     /// The summary, if there is nothing to do.
-    fn all_fresh(&mut self, mesh: &Meshed) -> Result<Option<Value>, RunError> {
+    fn all_fresh(&mut self, mesh: &Meshed) -> Result<Option<Summary>, RunError> {
         let solution = self.plan.folder.join(SOLUTION_FILE);
         if mesh.is_new || !self.is_fresh(Stage::Solve, &self.recipe(Stage::Solve)?) {
             return Ok(None);
@@ -394,7 +392,7 @@ impl Run<'_> {
             phases,
         } = written;
         costs.behind = phases;
-        costs.frames = account(&files, "");
+        costs.frames = Some(FilesSummary::new(&files, ""));
         Ok(Solved {
             solution,
             integrity,
@@ -419,7 +417,7 @@ impl Run<'_> {
         Phases::traced(self.options.trace.clone())
     }
 
-    fn output(&mut self, outcome: &Outcome) -> Result<Value, RunError> {
+    fn output(&mut self, outcome: &Outcome) -> Result<Summary, RunError> {
         let recipe = self.recipe(Stage::Output)?;
         if self.is_fresh(Stage::Output, &recipe)
             && let Some(summary) = read_summary(&self.plan.folder)
@@ -451,7 +449,7 @@ impl Run<'_> {
             files.push(REPORT_FILE.to_owned());
         }
         files.push(SUMMARY_FILE.to_owned());
-        let summary = outcome.summary(&files, &self.costs);
+        let summary = outcome.summary(files.clone(), &self.costs);
         let text = serde_json::to_string_pretty(&summary).expect("a summary is plain data") + "\n";
         write_whole(&draft.path().join(SUMMARY_FILE), text.as_bytes())?;
         if self.plan.output.is_reported() {

@@ -4,13 +4,13 @@ use super::sweep::{Run, Study};
 use crate::output::picture::PictureError;
 use crate::output::picture::chart::{Axis, Chart, Curve, Mark};
 use crate::output::{WriteError, write_whole};
-use crate::pipeline::account::summary::SUMMARY_FILE;
+use crate::pipeline::account::summary::{Summary, read_summary};
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::quantity;
 use crate::pipeline::read::spec::Combine;
 use crate::pipeline::record::history::quoted;
 use crate::pipeline::stages::run::{Standing, standings};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -58,7 +58,7 @@ pub fn row(study: &Study, run: &Run) -> Result<Row, RunError> {
     let is_fresh = |standings: Vec<_>| standings.iter().all(|(_, s)| *s == Standing::Fresh);
     let summary = standings(&run.plan)
         .map(is_fresh)?
-        .then(|| read(&run.plan.folder.join(SUMMARY_FILE)))
+        .then(|| read_summary(&run.plan.folder))
         .flatten();
     Ok(match summary {
         Some(summary) => Row {
@@ -70,10 +70,6 @@ pub fn row(study: &Study, run: &Run) -> Result<Row, RunError> {
             results: Vec::new(),
         },
     })
-}
-
-fn read(path: &Path) -> Option<Value> {
-    serde_json::from_slice(&fs::read(path).ok()?).ok()
 }
 
 /// The message that a log ends with: the first line that miette marks, and those that belong to it.
@@ -89,36 +85,36 @@ fn failure(log: &Path) -> Option<String> {
     (!lines.is_empty()).then(|| lines.join(" "))
 }
 
-/// The events of a fracture run, as `summary.json` calls them.
-const EVENTS: [&str; 4] = ["first_break", "peak", "envelope_peak", "end"];
-
 /// The numbers of a summary that runs are compared by. Times are none: the same study gives the same table.
-fn results(summary: &Value) -> Vec<(String, Value)> {
-    let mut all = Vec::new();
-    let mut put = |name: String, value: &Value| {
-        if !value.is_null() {
-            all.push((name, value.clone()));
+fn results(summary: &Summary) -> Vec<(String, Value)> {
+    let mut all = vec![
+        ("outcome".to_owned(), json!(summary.outcome)),
+        ("dofs".to_owned(), json!(summary.sizes.dofs)),
+    ];
+    if let Some(fracture) = &summary.fracture {
+        let events = [
+            ("first_break", &fracture.first_break),
+            ("peak", &fracture.peak),
+            ("envelope_peak", &fracture.envelope_peak),
+            ("end", &fracture.end),
+        ];
+        for (name, event) in events {
+            let quantities = json!(event);
+            let quantities = quantities.as_object().into_iter().flatten();
+            all.extend(quantities.map(|(key, value)| (format!("{name}_{key}"), value.clone())));
         }
-    };
-    put("outcome".to_owned(), &summary["outcome"]);
-    put("dofs".to_owned(), &summary["sizes"]["dofs"]);
-    let fracture = &summary["fracture"];
-    for name in EVENTS {
-        for quantity in ["step", "load_factor", "grip_displacement_m", "reaction_n"] {
-            put(format!("{name}_{quantity}"), &fracture[name][quantity]);
-        }
+        all.push(("bonds_broken".to_owned(), json!(fracture.bonds_broken)));
+        let length = fracture.crack_length_m;
+        all.extend(length.map(|length| ("crack_length_m".to_owned(), json!(length))));
     }
-    for name in ["bonds_broken", "crack_length_m"] {
-        put(name.to_owned(), &fracture[name]);
+    for probe in &summary.probes {
+        let column = format!("probe_{}_m", probe.name);
+        all.push((column, json!(probe.displacement_m)));
     }
-    for probe in summary["probes"].as_array().into_iter().flatten() {
-        let name = probe["name"].as_str().unwrap_or_default();
-        put(format!("probe_{name}_m"), &probe["displacement_m"]);
-    }
-    if fracture.is_null() {
-        for (group, reaction) in summary["reactions_n"].as_object().into_iter().flatten() {
-            for (k, axis) in ["x", "y"].into_iter().enumerate() {
-                put(format!("reaction_{group}_{axis}_n"), &reaction[k]);
+    if summary.fracture.is_none() {
+        for (group, reaction) in &summary.reactions_n {
+            for (axis, force) in ["x", "y"].into_iter().zip(reaction) {
+                all.push((format!("reaction_{group}_{axis}_n"), json!(force)));
             }
         }
     }

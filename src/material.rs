@@ -1,11 +1,15 @@
 //! Isotropic linear elasticity in the plane.
 
 use nalgebra::Matrix3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// What the third direction does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum PlaneState {
     /// σ_zz = 0: thin plates.
+    #[default]
     Stress,
     /// ε_zz = 0: long prisms.
     Strain,

@@ -410,7 +410,12 @@ fn imports(folder: &Path, path: &str) -> BTreeMap<String, BTreeSet<String>> {
                 let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_');
                 of_module.insert(rest[..end.unwrap_or(rest.len())].to_owned());
             }
-            if line.contains("serde") {
+            // Deriving it is free to all.
+            let derives = ["use serde::{Deserialize, Serialize};", "#[serde("];
+            let calls = !derives
+                .iter()
+                .any(|derive| line.trim_start().starts_with(derive));
+            if line.contains("serde") && calls {
                 of_module.insert("serde".to_owned());
             }
         }

@@ -5,10 +5,13 @@
 
 use super::isotropy::{self, Isotropy};
 use crate::material::{Material, PlaneState};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// The kernel g(r), r = ξ/δ: how the long-range force fades with the bond's length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Kernel {
     /// (1 − r²)², the improved PMB kernel of the paper, eq. (9).
     Quartic,
@@ -66,7 +69,8 @@ impl Kernel {
 }
 
 /// How much of a neighbour's area lies within the horizon.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum PartialArea {
     /// Full area (FA): all of it when its centre does. The paper's.
     Full,

@@ -5,11 +5,14 @@ use super::point_index::PointIndex;
 use super::visibility::Visibility;
 use crate::geometry::{Outline, nearest_on_segment};
 use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// Where the points sit on a grid of squares. Unless its origin is given, the grid begins at the region's
 /// box where squares fill that; where they do not, it lies in the middle of the box, so that mirror images
 /// have mirror images of lattices.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Placement {
     /// In the middle of the squares: no point on the boundary.
     CellCentred,
@@ -18,7 +21,8 @@ pub enum Placement {
 }
 
 /// The area that a point stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum CellArea {
     /// dx², wherever the point is: the paper's.
     Full,

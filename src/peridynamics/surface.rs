@@ -25,9 +25,13 @@ use super::visibility::Visibility;
 use crate::geometry::Outline;
 use crate::interactions::Interactions;
 use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Stiffness of bonds near free surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum SurfaceCorrection {
     /// Bonds near a surface are as any other: the paper's.
     None,

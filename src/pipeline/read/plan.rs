@@ -12,7 +12,7 @@ use crate::fem::edge::EdgeLoad;
 use crate::fracture::control::{Control, Until};
 use crate::fracture::laws::Strength;
 use crate::gmsh::Value;
-use crate::material::{Material, PlaneState};
+use crate::material::Material;
 use crate::model::{Method, ModelSettings};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -143,10 +143,6 @@ impl Plan {
             source: &source,
             spec: &spec,
         };
-        let plane = match spec.plane {
-            spec::Plane::Stress => PlaneState::Stress,
-            spec::Plane::Strain => PlaneState::Strain,
-        };
         let materials = reader.materials()?;
         Ok(Plan {
             name: reader.name()?,
@@ -155,11 +151,11 @@ impl Plan {
                 .join(&spec.name),
             geometry: reader.geometry()?,
             model: ModelSettings {
-                plane,
+                plane: spec.plane,
                 thickness: reader.positive("thickness", &spec.thickness, Dimension::LENGTH)?,
                 coupling: reader.coupling()?,
             },
-            regions: reader.regions(&materials, plane)?,
+            regions: reader.regions(&materials, spec.plane)?,
             cracks: spec.cracks.clone(),
             no_fail: spec.no_fail.clone(),
             trusses_break: matches!(&spec.coupling, spec::Coupling::Truss(t) if t.breakable),

@@ -16,12 +16,11 @@ pub use loading::{Control, Loading, Phase, ReferenceSteps, Until};
 pub use names::Names;
 pub use output::{Component, Output, OutputField, Probe};
 pub use pictures::{Format, PictureKind, Pictures};
-pub use region::{
-    CellArea, Kernel, Micromodulus, PartialArea, Points, Region, RegionModel, SurfaceCorrection,
-};
+pub use region::{Micromodulus, Region, RegionModel};
 pub use scalar::Scalar;
 pub use sweep::{Combine, Range, Scale, Sweep, Values};
 
+use crate::material::PlaneState;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -36,7 +35,7 @@ pub struct Spec {
     pub geometry: Geometry,
     /// `stress`: σ_zz = 0; `strain`: ε_zz = 0.
     #[serde(default)]
-    pub plane: Plane,
+    pub plane: PlaneState,
     /// h_t; forces and reactions are for this thickness. Unit: m.
     #[serde(default = "one_metre")]
     pub thickness: Scalar,
@@ -104,14 +103,6 @@ pub struct Geometry {
 
 fn metre() -> String {
     "m".to_owned()
-}
-
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Plane {
-    #[default]
-    Stress,
-    Strain,
 }
 
 /// A linear elastic material, and what breaks its bonds.

@@ -128,8 +128,8 @@ impl Reader<'_> {
             .ok_or_else(|| missing("horizon", "horizon: 4"))?;
         let lattice = LatticeSettings {
             spacing,
-            placement: region.points.map_or(Placement::CellCentred, placement),
-            cell_area: region.cell_area.map_or(CellArea::Clipped, cell_area),
+            placement: region.points.unwrap_or(Placement::CellCentred),
+            cell_area: region.cell_area.unwrap_or(CellArea::Clipped),
             angle: self.lattice_angle(index, region)?,
             origin: self.lattice_origin(index, region)?,
         };
@@ -137,12 +137,12 @@ impl Reader<'_> {
         Ok(Method::Peridynamics(PeridynamicSettings {
             lattice,
             horizon_ratio: self.horizon(&key("horizon"), written, spacing)?,
-            kernel: region.kernel.map_or(Kernel::Quartic, kernel),
-            partial_area: region.partial_area.map_or(PartialArea::Full, partial_area),
+            kernel: region.kernel.unwrap_or(Kernel::Quartic),
+            partial_area: region.partial_area.unwrap_or(PartialArea::Full),
             isotropised: !matches!(region.micromodulus, Some(spec::Micromodulus::Raw)),
             surface_correction: region
                 .surface_correction
-                .map_or(SurfaceCorrection::Force, surface_correction),
+                .unwrap_or(SurfaceCorrection::Force),
         }))
     }
 
@@ -212,46 +212,5 @@ impl Reader<'_> {
             );
         }
         Ok(ratio)
-    }
-}
-
-fn kernel(written: spec::Kernel) -> Kernel {
-    match written {
-        spec::Kernel::Quartic => Kernel::Quartic,
-        spec::Kernel::Constant => Kernel::Constant,
-        spec::Kernel::Linear => Kernel::Linear,
-        spec::Kernel::Parabolic => Kernel::Parabolic,
-        spec::Kernel::Inverse => Kernel::Inverse,
-    }
-}
-
-fn placement(written: spec::Points) -> Placement {
-    match written {
-        spec::Points::CellCentred => Placement::CellCentred,
-        spec::Points::GridNodes => Placement::GridNodes,
-    }
-}
-
-fn cell_area(written: spec::CellArea) -> CellArea {
-    match written {
-        spec::CellArea::Full => CellArea::Full,
-        spec::CellArea::Clipped => CellArea::Clipped,
-    }
-}
-
-fn partial_area(written: spec::PartialArea) -> PartialArea {
-    match written {
-        spec::PartialArea::Full => PartialArea::Full,
-        spec::PartialArea::Hhb => PartialArea::Hhb,
-    }
-}
-
-fn surface_correction(written: spec::SurfaceCorrection) -> SurfaceCorrection {
-    match written {
-        spec::SurfaceCorrection::None => SurfaceCorrection::None,
-        spec::SurfaceCorrection::Volume => SurfaceCorrection::Volume,
-        spec::SurfaceCorrection::Energy => SurfaceCorrection::Energy,
-        spec::SurfaceCorrection::Force => SurfaceCorrection::Force,
-        spec::SurfaceCorrection::LeastSquares => SurfaceCorrection::LeastSquares,
     }
 }

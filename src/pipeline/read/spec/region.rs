@@ -1,6 +1,9 @@
 //! `regions`: which surfaces are what, and the lattice of a peridynamic one.
 
 use super::{Names, Scalar};
+use crate::peridynamics::kernel::{Kernel, PartialArea};
+use crate::peridynamics::lattice::{CellArea, Placement};
+use crate::peridynamics::surface::SurfaceCorrection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -28,7 +31,7 @@ pub struct Region {
     /// `cell-centred`: no point on the boundary; `grid-nodes`: first and last rows on it. Default:
     /// `cell-centred`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub points: Option<Points>,
+    pub points: Option<Placement>,
     /// Of the lattice's first axis to x, counter-clockwise: `20 deg`, or radians. By default that of
     /// the straight sides which, with those at right angles to them, are the longest, so that a
     /// turned rectangle has a turned lattice; 0 where there are none
@@ -69,48 +72,7 @@ pub enum RegionModel {
 
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Kernel {
-    Quartic,
-    Constant,
-    Linear,
-    Parabolic,
-    Inverse,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Points {
-    CellCentred,
-    GridNodes,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CellArea {
-    Full,
-    Clipped,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PartialArea {
-    Full,
-    Hhb,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize)]
-#[serde(rename_all = "kebab-case")]
 pub enum Micromodulus {
     Isotropised,
     Raw,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SurfaceCorrection {
-    None,
-    Volume,
-    Energy,
-    Force,
-    LeastSquares,
 }

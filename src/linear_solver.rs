@@ -25,6 +25,7 @@ pub mod two_level;
 use crate::assembly::{Lists, LowerMatrix};
 use compliance::UnitLoads;
 use held::Held;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 #[derive(Debug, Error)]
@@ -39,7 +40,7 @@ pub enum SolverError {
 }
 
 /// What systems are solved by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Backend {
     /// The program's own multifrontal Cholesky factorisation, [`cholesky`].
     Multifrontal,

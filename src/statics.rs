@@ -12,6 +12,7 @@ use crate::model::Model;
 use crate::model::node_axes::direction;
 use crate::phases::{Phases, machine_memory};
 use crate::support::{self, NotHeld};
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use structure::Structure;
 use system::{Case, Solved, System, vectors};
@@ -23,7 +24,7 @@ pub use factorised::Factorised;
 
 /// Displacements of all nodes, and what holds them; from a [`Solver`] in the axes of the nodes
 /// ([`crate::model::node_axes`]), from [`solve`] along x and y.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Solution {
     /// u of every node [m].
     pub displacement: Vec<[f64; 2]>,
@@ -35,7 +36,7 @@ pub struct Solution {
 }
 
 /// Sizes of the linear system.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub struct SystemSize {
     pub dofs: usize,
     /// Stored entries of the lower triangle of K.
@@ -43,32 +44,6 @@ pub struct SystemSize {
     /// Stored entries of L; of the coarse level's where the system is solved on two levels.
     pub factor_entries: usize,
     pub backend: Backend,
-}
-
-impl SystemSize {
-    /// As numbers, to be kept.
-    pub fn numbers(self) -> [usize; 4] {
-        let is_own = |backend: &Backend| *backend == self.backend;
-        let backend = Backend::ALL.iter().position(is_own);
-        [
-            self.dofs,
-            self.stiffness_entries,
-            self.factor_entries,
-            backend.expect("all backends are listed"),
-        ]
-    }
-
-    /// From [`SystemSize::numbers`].
-    pub fn from_numbers(
-        [dofs, stiffness_entries, factor_entries, backend]: [usize; 4],
-    ) -> SystemSize {
-        SystemSize {
-            dofs,
-            stiffness_entries,
-            factor_entries,
-            backend: *Backend::ALL.get(backend).unwrap_or(&Backend::Multifrontal),
-        }
-    }
 }
 
 #[derive(Debug, Error)]

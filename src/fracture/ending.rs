@@ -1,8 +1,10 @@
 //! How a run ends.
 
+use serde::{Deserialize, Serialize};
+
 /// How a run ended. None of these is an error but [`Ending::Singular`], after which the last good state
 /// stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Ending {
     /// The reaction fell under 2 % of its peak, or a loaded part broke off.
     Separated,
@@ -30,11 +32,6 @@ impl Ending {
         Ending::PassLimit,
         Ending::NothingLeftToBreak,
     ];
-
-    /// The ending with this description, see [`Ending::describe`].
-    pub fn from_description(name: &str) -> Option<Ending> {
-        Ending::ALL.into_iter().find(|e| e.describe() == name)
-    }
 
     /// In a few words.
     pub fn describe(self) -> &'static str {

@@ -7,13 +7,14 @@
 //! so that every limit of a bond bounds λ from one side.
 
 use super::laws::StretchLimits;
+use serde::{Deserialize, Serialize};
 
 /// Bonds within this relative distance of the first one break with it: ties by symmetry differ by
 /// rounding errors only, and none is decided by an index.
 pub const TIE: f64 = 1e-3;
 
 /// A point in the space of loads.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Load {
     /// μ, the share of all loads that acts [-].
     pub share: f64,

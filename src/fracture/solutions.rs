@@ -73,7 +73,7 @@ pub fn nan_max(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::statics::SystemSize;
+    use crate::statics::{Backend, SystemSize};
 
     #[test]
     fn a_solution_that_is_none_is_not_passed_over() {
@@ -81,7 +81,12 @@ mod tests {
             displacement: Vec::new(),
             reaction: Vec::new(),
             residual,
-            size: SystemSize::from_numbers([0; 4]),
+            size: SystemSize {
+                dofs: 0,
+                stiffness_entries: 0,
+                factor_entries: 0,
+                backend: Backend::Multifrontal,
+            },
         };
         let of = |held: Option<f64>, unit| {
             let (held, unit) = (held.map(solution), solution(unit));

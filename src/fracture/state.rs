@@ -8,13 +8,14 @@ use super::programme::Programme;
 use crate::model::Model;
 use crate::statics::{StaticsError, SystemSize};
 use crate::support;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
 /// A body whose reaction is below this share of its peak is separated.
 const SEPARATED: f64 = 0.02;
 
 /// The state of a run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct State {
     /// Number of load steps, or events, so far.
     pub step: usize,
@@ -31,7 +32,9 @@ pub struct State {
     /// Relative residual of both, and the size of the system.
     pub residual: f64,
     pub size: Option<SystemSize>,
-    /// Integrity φ of every interaction [-].
+    /// Integrity φ of every interaction [-]. It is not kept: it follows from the changes,
+    /// see [`State::restore_integrity`].
+    #[serde(skip)]
     pub integrity: Vec<f64>,
     /// Nodes of the parts that no support touches any more; they stay where they broke off.
     pub fragments: Vec<Vec<usize>>,
@@ -52,7 +55,7 @@ pub struct State {
 }
 
 /// A change of integrity, at the state of equilibrium before it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Change {
     pub interaction: u32,
     /// Integrity φ before and after [-].
@@ -68,7 +71,7 @@ impl Change {
 }
 
 /// Energies since the start [J].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct Energy {
     /// Work of loads and supports, ∫ r·du along straight pieces of the path.
     pub external: f64,
@@ -79,7 +82,7 @@ pub struct Energy {
 }
 
 /// How the supports that the current phase moves resist it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct LoadForce {
     /// λ Q, the reaction that goes with λ alone [J].
     pub now: f64,
@@ -127,6 +130,14 @@ impl State {
         };
         state.find_loose_parts(model, programme);
         state
+    }
+
+    /// Sets the integrity that the changes have left of the model's.
+    pub fn restore_integrity(&mut self, model: &Model) {
+        self.integrity.clone_from(&model.integrity);
+        for change in &self.changes {
+            self.integrity[change.interaction as usize] = change.integrity[1];
+        }
     }
 
     /// Finds the parts that the supports do not hold any more.

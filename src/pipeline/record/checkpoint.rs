@@ -1,20 +1,17 @@
 //! What a killed run goes on from: the state behind its last step, as it is kept.
 
 use super::history::Line;
-use super::sparse_integrity::SparseIntegrity;
-use super::stored::fits_model;
-use crate::fracture::control::{Ending, Problem};
-use crate::fracture::event::Load;
-use crate::fracture::state::{Change, Energy, LoadForce, State};
-use crate::statics::SystemSize;
+use crate::fracture::control::Problem;
+use crate::fracture::state::{Change, State};
+use crate::model::Model;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
 
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
     /// Hash of what the run is made from.
     pub recipe: String,
-    state: StoredState,
+    /// The state, but for its integrity, which follows from the changes.
+    state: State,
     /// Lines of the journal that belong to it.
     pub lines: usize,
     pub frames: Vec<usize>,
@@ -44,36 +41,14 @@ impl Ledger {
     }
 }
 
-#[derive(Serialize, Deserialize)]
-struct StoredState {
-    step: usize,
-    phase: usize,
-    phase_start: usize,
-    load: [f64; 2],
-    envelope: f64,
-    displacement: Vec<[f64; 2]>,
-    reaction: Vec<[f64; 2]>,
-    residual: f64,
-    size: Option<[usize; 4]>,
-    integrity: SparseIntegrity,
-    fragments: Vec<Vec<usize>>,
-    load_lost: bool,
-    mechanisms: BTreeSet<usize>,
-    /// [`Ending::describe`], and the reason.
-    stopped: Option<(String, String)>,
-    energy: [f64; 3],
-    force: ([f64; 4], bool),
-    work: Vec<[f64; 2]>,
-    /// Interaction, integrity before and after, elongation, as [`Change`] has them.
-    changes: Vec<(u32, [f64; 2], f64)>,
-    fresh: usize,
-}
-
 impl Checkpoint {
     pub fn new(recipe: &str, state: &State, lines: usize, frames: &[usize]) -> Checkpoint {
+        let mut state = state.clone();
+        // It is not kept, and checkpoints that wait for the disk would hold memory for it.
+        state.integrity = Vec::new();
         Checkpoint {
             recipe: recipe.to_owned(),
-            state: StoredState::from(state),
+            state,
             lines,
             frames: frames.to_vec(),
             ledger: String::new(),
@@ -88,13 +63,16 @@ impl Checkpoint {
         let state = &self.state;
         let (nodes, springs) = (model.node_count(), model.springs.len());
         let fields = [state.displacement.as_slice(), &state.reaction];
-        let mut changes = state.changes.iter();
+        let is_possible = |change: &Change| {
+            (change.interaction as usize) < springs
+                && change.integrity.iter().all(|phi| (0.0..=1.0).contains(phi))
+        };
         let phases = programme.phases.len();
         let is_sound =
             |line: &Line| line.phase < phases && line.bonds_broken_total <= state.changes.len();
-        fits_model(model, &fields, &state.integrity)
+        fields.iter().all(|values| values.len() == nodes)
             && lines.iter().all(is_sound)
-            && changes.all(|&(interaction, ..)| (interaction as usize) < springs)
+            && state.changes.iter().all(is_possible)
             && state.fresh <= state.changes.len()
             && state.fragments.iter().flatten().all(|&node| node < nodes)
             && state.mechanisms.iter().all(|&dof| dof < 2 * nodes)
@@ -102,94 +80,9 @@ impl Checkpoint {
             && state.work.len() == phases
     }
 
-    pub fn into_state(self) -> State {
-        self.state.into()
-    }
-}
-
-impl From<&State> for StoredState {
-    fn from(state: &State) -> StoredState {
-        let Energy {
-            external,
-            elastic,
-            dissipated,
-        } = state.energy;
-        let LoadForce {
-            now,
-            peak,
-            stiffness: [first, last],
-            is_on_top,
-        } = state.force;
-        StoredState {
-            step: state.step,
-            phase: state.phase,
-            phase_start: state.phase_start,
-            load: [state.load.share, state.load.factor],
-            envelope: state.envelope,
-            displacement: state.displacement.clone(),
-            reaction: state.reaction.clone(),
-            residual: state.residual,
-            size: state.size.map(SystemSize::numbers),
-            integrity: SparseIntegrity::new(&state.integrity),
-            fragments: state.fragments.clone(),
-            load_lost: state.load_lost,
-            mechanisms: state.mechanisms.clone(),
-            stopped: (state.stopped.as_ref())
-                .map(|(ending, reason)| (ending.describe().to_owned(), reason.clone())),
-            energy: [external, elastic, dissipated],
-            force: ([now, peak, first, last], is_on_top),
-            work: state.work.clone(),
-            changes: (state.changes.iter())
-                .map(|change| (change.interaction, change.integrity, change.elongation))
-                .collect(),
-            fresh: state.fresh,
-        }
-    }
-}
-
-impl From<StoredState> for State {
-    fn from(stored: StoredState) -> State {
-        let [external, elastic, dissipated] = stored.energy;
-        let ([now, peak, first, last], is_on_top) = stored.force;
-        State {
-            step: stored.step,
-            phase: stored.phase,
-            phase_start: stored.phase_start,
-            load: Load {
-                share: stored.load[0],
-                factor: stored.load[1],
-            },
-            envelope: stored.envelope,
-            displacement: stored.displacement,
-            reaction: stored.reaction,
-            residual: stored.residual,
-            size: stored.size.map(SystemSize::from_numbers),
-            integrity: stored.integrity.to_vec(),
-            fragments: stored.fragments,
-            load_lost: stored.load_lost,
-            mechanisms: stored.mechanisms,
-            stopped: (stored.stopped)
-                .and_then(|(name, reason)| Some((Ending::from_description(&name)?, reason))),
-            energy: Energy {
-                external,
-                elastic,
-                dissipated,
-            },
-            force: LoadForce {
-                now,
-                peak,
-                stiffness: [first, last],
-                is_on_top,
-            },
-            work: stored.work,
-            changes: (stored.changes.into_iter())
-                .map(|(interaction, integrity, elongation)| Change {
-                    interaction,
-                    integrity,
-                    elongation,
-                })
-                .collect(),
-            fresh: stored.fresh,
-        }
+    pub fn into_state(self, model: &Model) -> State {
+        let mut state = self.state;
+        state.restore_integrity(model);
+        state
     }
 }

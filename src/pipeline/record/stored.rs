@@ -5,7 +5,7 @@ use super::checkpoint::Checkpoint;
 use super::format::without_format;
 use super::frames::Frame;
 use super::history::Line;
-use super::solved::StoredSolution;
+use super::solved::Solved;
 use super::sparse_integrity::SparseIntegrity;
 use super::stamp::Manifest;
 use super::writer::unsealed;
@@ -61,7 +61,7 @@ impl Kind {
         match self {
             Kind::Mesh => postcard::from_bytes::<Extract>(bytes)
                 .is_ok_and(|extract| extract.to_mesh(1e-3).is_ok()),
-            Kind::Solution => is::<StoredSolution>(bytes),
+            Kind::Solution => is::<Solved>(bytes),
             Kind::Frame => Frame::from_file(bytes).is_ok(),
             // What the seal lets through, and what a forger could seal.
             Kind::Checkpoint => {

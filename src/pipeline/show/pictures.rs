@@ -14,7 +14,6 @@ use crate::pipeline::error::RunError;
 use crate::pipeline::read::spec::{Format, PictureKind};
 use crate::pipeline::record::frames::{Frame, read_frame};
 use crate::pipeline::record::solved::Course;
-use crate::pipeline::record::sparse_integrity::SparseIntegrity;
 use crate::trace::Trace;
 use std::borrow::Cow;
 use std::path::Path;
@@ -158,7 +157,7 @@ impl Outcome<'_> {
             }
             (Sheet::Damage, _) => {
                 let body = Deformed::new(model, u);
-                damage_picture(plan, &body, last_step, &solved.integrity).compose()
+                damage_picture(plan, &body, last_step, &solved.integrity.to_vec()).compose()
             }
             (Sheet::DamageAt(step), _) => {
                 let frame = read_frame(&plan.folder, model, step)?;
@@ -181,7 +180,7 @@ impl Outcome<'_> {
                 step: 0,
                 load_factor: 1.0,
                 displacement: solved.solution.displacement.clone(),
-                integrity: SparseIntegrity::new(&solved.integrity),
+                integrity: solved.integrity.clone(),
             }),
         }
     }

@@ -8,7 +8,6 @@ use crate::pipeline::account::made::Made;
 use crate::pipeline::error::ResultsError;
 use crate::pipeline::error::RunError;
 use crate::pipeline::record::frames::{Frame, read_frame};
-use crate::pipeline::record::sparse_integrity::SparseIntegrity;
 use crate::trace::Trace;
 use rayon::prelude::*;
 use std::path::Path;
@@ -61,7 +60,7 @@ impl Workshop<'_> {
                 step: 0,
                 load_factor: 1.0,
                 displacement: solved.solution.displacement.clone(),
-                integrity: SparseIntegrity::new(&solved.integrity),
+                integrity: solved.integrity.clone(),
             }),
         }
     }

@@ -18,6 +18,8 @@ use crate::pipeline::record::folder::file_error;
 use crate::pipeline::record::format::other_format;
 use crate::pipeline::record::frames::{FRAMES_FOLDER, Frame, encode, forget_frames, frame_file};
 use crate::pipeline::record::history::{Line, header};
+use crate::pipeline::record::solved::{Course, Solved};
+use crate::pipeline::record::sparse_integrity::SparseIntegrity;
 use crate::pipeline::record::stamp;
 use crate::pipeline::record::writer::{
     CHECKPOINT_FILE, Order, Scribe, Written, begin_history, read_checkpoint, read_journal,
@@ -30,24 +32,6 @@ use std::path::Path;
 use std::sync::Arc;
 use std::thread;
 use std::time::Instant;
-
-/// What a fracture run leaves.
-pub(crate) struct Fractured {
-    pub history: Vec<Line>,
-    /// Steps that have a frame.
-    pub frames: Vec<usize>,
-    pub ending: Ending,
-    /// Number of nodes of each part that has come off.
-    pub fragments: Vec<usize>,
-    /// Why there is no solution any more, where the run ended so.
-    pub reason: Option<String>,
-    /// The last state.
-    pub solution: Solution,
-    /// Integrity φ of every interaction in it [-].
-    pub integrity: Vec<f64>,
-    /// Frames and the like, as they went to the disk.
-    pub written: Written,
-}
 
 /// What to run, and how.
 pub(crate) struct Task<'a> {
@@ -67,7 +51,7 @@ pub(crate) fn run(
     task: &Task,
     observer: &mut dyn Observer,
     phases: &mut Phases,
-) -> Result<Fractured, RunError> {
+) -> Result<(Solved, Written), RunError> {
     let Task {
         plan,
         loading,
@@ -250,7 +234,8 @@ impl<'a> Chronicle<'a> {
             text += &(self.csv(line) + "\n");
         }
         begin_history(folder, &text, &self.history)?;
-        Ok(stored.map(|(checkpoint, _, ledger)| (checkpoint.into_state(), ledger)))
+        Ok(stored
+            .map(|(checkpoint, _, ledger)| (checkpoint.into_state(self.problem.model), ledger)))
     }
 
     fn csv(&self, line: &Line) -> String {
@@ -383,7 +368,7 @@ impl Writer<'_, '_> {
         state: &State,
         ending: Ending,
         phases: &mut Phases,
-    ) -> Result<Fractured, RunError> {
+    ) -> Result<(Solved, Written), RunError> {
         let Writer {
             chronicle,
             scribe,
@@ -402,20 +387,24 @@ impl Writer<'_, '_> {
         };
         let scribe = scribe.expect("an error of the scribe ends the run where it is met");
         let written = phases.measure(HAND_OVER, || scribe.finish())?;
-        Ok(Fractured {
+        let solution = Solution {
+            displacement: model.in_space(&state.displacement),
+            reaction: model.in_space(&state.reaction),
+            residual: state.residual,
+            size,
+        };
+        let course = Course {
             history: chronicle.history,
             frames: chronicle.frames,
             ending,
             fragments: state.fragments.iter().map(Vec::len).collect(),
             reason: state.stopped.as_ref().map(|(_, reason)| reason.clone()),
-            integrity: state.integrity.clone(),
-            solution: Solution {
-                displacement: model.in_space(&state.displacement),
-                reaction: model.in_space(&state.reaction),
-                residual: state.residual,
-                size,
-            },
-            written,
-        })
+        };
+        let solved = Solved {
+            solution,
+            integrity: SparseIntegrity::new(&state.integrity),
+            fracture: Some(course),
+        };
+        Ok((solved, written))
     }
 }

@@ -4,7 +4,7 @@
 mod observer;
 mod warnings;
 
-use super::fracture::{self, Fractured, Task};
+use super::fracture::{self, Task};
 use super::meshing::{mesh_geometry, to_mesh};
 use super::recipe::recipe;
 use super::validate::discretise;
@@ -24,7 +24,8 @@ use crate::pipeline::record::folder::{
 };
 use crate::pipeline::record::frames::encode;
 use crate::pipeline::record::frames::frame_file;
-use crate::pipeline::record::solved::{Course, Solved, StoredSolution};
+use crate::pipeline::record::solved::Solved;
+use crate::pipeline::record::sparse_integrity::SparseIntegrity;
 use crate::pipeline::record::stamp::{self, Manifest, Reasons, Recipe, Stage};
 use crate::pipeline::record::stored::read_stored;
 use crate::pipeline::record::writer::forget_checkpoint;
@@ -307,13 +308,13 @@ impl Run<'_> {
         let path = self.plan.folder.join(SOLUTION_FILE);
         let recipe = self.recipe(Stage::Solve)?;
         if self.is_fresh(Stage::Solve, &recipe)
-            && let Some((stored, bytes)) = read_stored::<StoredSolution>(&path)
+            && let Some((stored, bytes)) = read_stored::<Solved>(&path)
             && stored.fits(model)
         {
             self.kept.insert(SOLUTION_FILE, stamp::hash(&bytes));
             self.observer.is_fresh(Stage::Solve);
             self.restore(Stage::Solve);
-            return Ok(stored.into());
+            return Ok(stored);
         }
         self.lock()?;
         self.observer.starts(Stage::Solve);
@@ -337,7 +338,7 @@ impl Run<'_> {
             files.extend(course.frames.iter().map(|&step| frame_file(step)));
         }
         let obsolete = self.begin(Stage::Solve, &files)?;
-        let bytes = encode(&StoredSolution::from(&solved));
+        let bytes = encode(&solved);
         write_whole(&path, &bytes)?;
         self.kept.insert(SOLUTION_FILE, stamp::hash(&bytes));
         for file in &obsolete {
@@ -377,33 +378,11 @@ impl Run<'_> {
             recipe: &recipe,
             resolution: self.options.resolution,
         };
-        let Fractured {
-            history,
-            frames,
-            ending,
-            fragments,
-            reason,
-            solution,
-            integrity,
-            written,
-        } = fracture::run(&task, self.observer, &mut costs.phases)?;
-        let Written {
-            frames: files,
-            phases,
-        } = written;
+        let (solved, Written { frames, phases }) =
+            fracture::run(&task, self.observer, &mut costs.phases)?;
         costs.behind = phases;
-        costs.frames = Some(FilesSummary::new(&files, ""));
-        Ok(Solved {
-            solution,
-            integrity,
-            fracture: Some(Course {
-                history,
-                frames,
-                ending,
-                fragments,
-                reason,
-            }),
-        })
+        costs.frames = Some(FilesSummary::new(&frames, ""));
+        Ok(solved)
     }
 
     /// What a stage took when it was done.
@@ -538,7 +517,7 @@ fn solve_once(
     let solution = statics::solve_by(model, boundary, backend, phases)?;
     Ok(Solved {
         solution,
-        integrity: model.integrity.clone(),
+        integrity: SparseIntegrity::new(&model.integrity),
         fracture: None,
     })
 }

@@ -2,6 +2,7 @@
 
 mod estimate;
 mod factorised;
+mod residual;
 mod structure;
 mod system;
 
@@ -12,6 +13,7 @@ use crate::model::Model;
 use crate::model::node_axes::direction;
 use crate::phases::{Phases, machine_memory};
 use crate::support::{self, NotHeld};
+use residual::Residual;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use structure::Structure;
@@ -30,7 +32,7 @@ pub struct Solution {
     pub displacement: Vec<[f64; 2]>,
     /// Force that the supports exert at every node [N]; zero where nothing is prescribed.
     pub reaction: Vec<[f64; 2]>,
-    /// ‖K u − f‖₂ / ‖f‖₂ over the free dofs, prescribed displacements in f.
+    /// Normwise backward error ‖f − K u‖ / (‖K‖ ‖u‖ + ‖f‖) [-], see `statics/residual.rs`.
     pub residual: f64,
     pub size: SystemSize,
 }
@@ -88,9 +90,6 @@ pub enum StaticsError {
         machine: u64,
     },
 }
-
-/// A solution with a larger relative residual is not one.
-const RESIDUAL_LIMIT: f64 = 1e-8;
 
 /// Assembles and solves once, initial cracks open.
 ///
@@ -400,13 +399,13 @@ impl<'a> Solver<'a> {
         let solution = Solution {
             reaction: case.reaction(&force),
             displacement: vectors(&displacement),
-            residual,
+            residual: residual.backward_error(),
             size: SystemSize {
                 factor_entries: factor.entries(),
                 ..self.size()
             },
         };
-        check(self.model, &solution)?;
+        check(self.model, &solution, residual, factor.residual_goal())?;
         Ok(solution)
     }
 
@@ -435,7 +434,12 @@ impl Solver<'_> {
     }
 }
 
-fn check(model: &Model, solution: &Solution) -> Result<(), StaticsError> {
+fn check(
+    model: &Model,
+    solution: &Solution,
+    residual: Residual,
+    goal: f64,
+) -> Result<(), StaticsError> {
     let finite = |u: &[f64; 2]| u[0].is_finite() && u[1].is_finite();
     if let Some(node) = solution.displacement.iter().position(|u| !finite(u)) {
         let [x, y] = model.positions[node];
@@ -445,16 +449,10 @@ fn check(model: &Model, solution: &Solution) -> Result<(), StaticsError> {
             y,
         });
     }
-    let is_solved = solution.residual <= RESIDUAL_LIMIT;
-    // Also for a residual that is not a number.
-    if !is_solved {
-        let residual = solution.residual;
-        return Err(StaticsError::Residual {
-            residual,
-            limit: RESIDUAL_LIMIT,
-        });
+    match residual.violation(goal) {
+        Some((residual, limit)) => Err(StaticsError::Residual { residual, limit }),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 fn kind(model: &Model, node: usize) -> &'static str {

@@ -96,6 +96,21 @@ impl LowerMatrix {
         place.ok().map(|place| &self.val_of_col(j)[place])
     }
 
+    /// ‖K‖∞, the largest sum of magnitudes in a row.
+    pub fn infinity_norm(&self) -> f64 {
+        let mut sums = vec![0.0; self.ncols()];
+        for column in 0..self.ncols() {
+            let entries = self.row_idx_of_col_raw(column).iter();
+            for (&row, value) in entries.zip(self.val_of_col(column)) {
+                sums[column] += value.abs();
+                if row as usize != column {
+                    sums[row as usize] += value.abs();
+                }
+            }
+        }
+        sums.into_iter().fold(0.0, f64::max)
+    }
+
     /// Mean of the diagonal: the scale of a stiffness matrix.
     pub fn mean_diagonal(&self) -> f64 {
         let n = self.ncols();

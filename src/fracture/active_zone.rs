@@ -46,8 +46,8 @@ const RIM: f64 = 0.93;
 /// Looks at the bonds next to a zone while it lasts.
 const LOOKS: usize = 4;
 
-/// The largest relative residual that the updates may leave.
-const DRIFT: f64 = 1e-11;
+/// The largest backward error that the updates may leave: a factorisation leaves some 1e-17.
+const DRIFT: f64 = 1e-14;
 
 /// By how much u on a zone may differ at its end from the solution there, over the largest: load factors are to be
 /// right to 1e-9. Updates leave some 1e-14.
@@ -75,7 +75,7 @@ pub struct Ahead {
     /// The dofs that those touch which were gone when the last zone began, in that order.
     touched: Vec<usize>,
     zones: Vec<Crossing>,
-    /// The largest relative residual between zones.
+    /// Largest backward error between zones [-].
     pub residual: f64,
 }
 

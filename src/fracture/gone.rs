@@ -197,7 +197,7 @@ pub fn respond(
     let (model, programme) = (problem.model, problem.programme);
     let after = |mut change: Vec<f64>, case: &Boundary, before: &Solution| {
         factorised.respond(&mut change);
-        let case = (case, factorised.scale(case));
+        let case = (case, factorised.load_norm(case));
         factorised.without(model, case, before, &change, pairs(losses))
     };
     let before = (base.held.as_ref()).zip(programme.held(phase));

@@ -163,7 +163,7 @@ impl Response {
         }
     }
 
-    /// Relative residual.
+    /// Largest backward error since the last factorisation [-].
     pub fn residual(&self) -> f64 {
         let ahead = self.now().map_or(0.0, |(ahead, _)| ahead.residual);
         nan_max(ahead, self.solved.residual())

@@ -53,7 +53,7 @@ impl Solutions {
         [self.held.as_ref().map_or(0.0, stretch), stretch(&self.unit)]
     }
 
-    /// The larger relative residual of the two.
+    /// Larger backward error of the two [-].
     pub fn residual(&self) -> f64 {
         let held = self.held.as_ref().map_or(0.0, |held| held.residual);
         nan_max(held, self.unit.residual)

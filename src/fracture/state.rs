@@ -29,7 +29,7 @@ pub struct State {
     /// ([`State::settle`]).
     pub displacement: Vec<[f64; 2]>,
     pub reaction: Vec<[f64; 2]>,
-    /// Relative residual of both, and the size of the system.
+    /// Backward error of both [-], and the size of the system.
     pub residual: f64,
     pub size: Option<SystemSize>,
     /// Integrity φ of every interaction [-]. It is not kept: it follows from the changes,

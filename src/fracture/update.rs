@@ -28,8 +28,8 @@ use crate::boundary::Boundary;
 use crate::phases::Phases;
 use crate::statics::{Factorised, Solution, Solver, StaticsError};
 
-/// The largest relative residual that is not worth a factorisation.
-const DRIFT: f64 = 1e-11;
+/// The largest backward error that is not worth a factorisation: one leaves some 1e-17.
+const DRIFT: f64 = 1e-14;
 
 /// More hinges than these at once are for a factorisation to find.
 const MOST_HINGES: usize = 16;
@@ -47,7 +47,7 @@ pub struct Update {
     factorised: Factorised,
     /// u_held and u_unit then, with ‖f‖ of both cases [N].
     base: Solutions,
-    scales: [f64; 2],
+    load_norms: [f64; 2],
     phase: usize,
     /// Number of the state's changes when K was factorised.
     first: usize,
@@ -67,9 +67,9 @@ impl Update {
         let held = problem.programme.held(state.phase);
         let unit = &problem.programme.phases[state.phase].boundary;
         Update {
-            scales: [
-                held.map_or(0.0, |case| factorised.scale(&case)),
-                factorised.scale(unit),
+            load_norms: [
+                held.map_or(0.0, |case| factorised.load_norm(&case)),
+                factorised.load_norm(unit),
             ],
             costs: Costs::new(problem, &factorised, state),
             factorised,
@@ -186,7 +186,7 @@ impl Update {
             // False for what is not a number.
             (solution.residual <= DRIFT).then_some(solution)
         };
-        let [of_held, of_unit] = self.scales;
+        let [of_held, of_unit] = self.load_norms;
         let unit = (&programme.phases[self.phase].boundary, of_unit);
         let unit = after(&self.base.unit, unit)?;
         let held = match (&self.base.held, programme.held(self.phase)) {

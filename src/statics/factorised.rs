@@ -67,16 +67,16 @@ impl Factorised {
     }
 
     /// ‖f‖₂ of a case over the free dofs, prescribed displacements in f [N].
-    pub fn scale(&self, case: &Boundary) -> f64 {
-        self.system.scale(&self.system.case(case))
+    pub fn load_norm(&self, case: &Boundary) -> f64 {
+        self.system.load_norm(&self.system.case(case))
     }
 
-    /// The solution of a case after interactions have changed, from the one before and its change [m]; its
-    /// residual is relative to `scale`. `losses`: interactions, and the stiffness that each has lost [N/m].
+    /// The solution of a case after interactions have changed, from the one before and its change [m]. `load`:
+    /// ‖f‖₂ of the case [N]; `losses`: interactions, and the stiffness that each has lost [N/m].
     pub fn without(
         &self,
         model: &Model,
-        (case, scale): (&Boundary, f64),
+        (case, load): (&Boundary, f64),
         before: &Solution,
         change: &[f64],
         losses: impl Iterator<Item = (usize, f64)>,
@@ -93,11 +93,11 @@ impl Factorised {
             let taken = -loss * elongation;
             add_spring_force(&mut force, model, spring, taken);
         }
-        let residual = norm(&case.residual(&force)) / scale;
+        let residual = self.system.measure(&case.residual(&force), load, &u);
         Solution {
             displacement,
             reaction: case.reaction(&force),
-            residual,
+            residual: residual.backward_error(),
             size: before.size,
         }
     }

@@ -1,5 +1,6 @@
 //! K u = f with supports: what is held, what is prescribed, and a solution refined until its residual is small.
 
+use super::residual::Residual;
 use crate::assembly::LowerMatrix;
 use crate::boundary::Boundary;
 use crate::linear_solver::Factorisation;
@@ -11,6 +12,8 @@ const MOST_REFINEMENTS: usize = 3;
 pub(super) struct System {
     /// K as assembled [N/m].
     pub stiffness: LowerMatrix,
+    /// ‖K‖∞ when K was assembled [N/m]; it only falls while springs break.
+    norm: f64,
     pub is_held: Vec<bool>,
     /// Dofs of pinned parts.
     pinned: Vec<usize>,
@@ -30,8 +33,7 @@ pub(super) struct Solved {
     pub displacement: Vec<f64>,
     /// K u [N].
     pub force: Vec<f64>,
-    /// Relative.
-    pub residual: f64,
+    pub residual: Residual,
 }
 
 impl System {
@@ -43,6 +45,7 @@ impl System {
     ) -> System {
         let mut system = System {
             is_held: vec![false; stiffness.ncols()],
+            norm: stiffness.infinity_norm(),
             stiffness,
             pinned: Vec::new(),
         };
@@ -80,53 +83,52 @@ impl System {
         factor: &dyn Factorisation,
         guess: Option<&[[f64; 2]]>,
     ) -> Solved {
-        let prescribed: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
-        let (mut found, mut residual) = self.at(case, prescribed);
-        let scale = found.residual;
-        if scale == 0.0 {
-            return found;
-        }
-        if let Some(guess) = guess.filter(|_| factor.gains_by_guess()) {
-            let mut u = found.displacement;
+        let mut u: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
+        let mut force = self.stiffness.multiply(&u);
+        let mut residual = case.residual(&force);
+        let load = norm(&residual);
+        if let Some(guess) = guess.filter(|_| load > 0.0 && factor.gains_by_guess()) {
             let free = u.iter_mut().zip(guess.as_flattened()).zip(&self.is_held);
             let free = free.filter(|(_, held)| !**held);
             free.for_each(|((u, guess), _)| *u = *guess);
-            (found, residual) = self.at(case, u);
+            force = self.stiffness.multiply(&u);
+            residual = case.residual(&force);
         }
-        found.residual /= scale;
-        let goal = factor.residual_goal();
-        for turn in 0..=MOST_REFINEMENTS {
-            if found.residual < goal {
-                break;
-            }
-            let mut correction = residual;
-            factor.solve_in_place(&mut correction, &[0.5 * goal * scale]);
-            let u = found.displacement.iter().zip(&correction);
-            let (mut refined, rest) = self.at(case, u.map(|(u, c)| u + c).collect());
-            refined.residual /= scale;
-            residual = rest;
-            // Also false for a residual that is not a number: the check that follows reports it.
-            let better = refined.residual < found.residual;
+        let goal = factor.residual_goal() * load;
+        let is_reached = |residual: f64| residual < goal;
+        let mut turn = 0;
+        let mut now = norm(&residual);
+        // Also for a residual that is not a number: the check that follows reports it.
+        while turn <= MOST_REFINEMENTS && now != 0.0 && !is_reached(now) {
+            let mut correction = residual.clone();
+            factor.solve_in_place(&mut correction, &[0.5 * goal]);
+            let refined: Vec<f64> = u.iter().zip(&correction).map(|(u, c)| u + c).collect();
+            let refined_force = self.stiffness.multiply(&refined);
+            let rest = case.residual(&refined_force);
+            let next = norm(&rest);
+            let better = next < now;
             if better || turn == 0 {
-                found = refined;
+                (u, force, residual, now) = (refined, refined_force, rest, next);
             }
             if !better {
                 break;
             }
+            turn += 1;
         }
-        found
+        Solved {
+            residual: self.measure(&residual, load, &u),
+            displacement: u,
+            force,
+        }
     }
 
-    /// Displacements with K u and ‖f − K u‖₂ [N], and f − K u at free dofs.
-    fn at(&self, case: &Case, displacement: Vec<f64>) -> (Solved, Vec<f64>) {
-        let force = self.stiffness.multiply(&displacement);
-        let residual = case.residual(&force);
-        let solved = Solved {
-            displacement,
-            force,
-            residual: norm(&residual),
-        };
-        (solved, residual)
+    /// How well u [m] solves a case. `residual`: f − K u; `load`: ‖f‖₂ [N].
+    pub fn measure(&self, residual: &[f64], load: f64, u: &[f64]) -> Residual {
+        Residual {
+            force: norm(residual),
+            load,
+            scale: self.norm * norm(u),
+        }
     }
 
     /// f − K u at free dofs, zero at prescribed ones [N].
@@ -135,7 +137,7 @@ impl System {
     }
 
     /// ‖f‖₂ over the free dofs, prescribed displacements in f [N].
-    pub fn scale(&self, case: &Case) -> f64 {
+    pub fn load_norm(&self, case: &Case) -> f64 {
         let u: Vec<f64> = case.prescribed.iter().map(|p| p.unwrap_or(0.0)).collect();
         norm(&self.residual(case, &u)).max(f64::MIN_POSITIVE)
     }

@@ -29,7 +29,7 @@ pub struct Line {
     pub bonds_broken: usize,
     pub bonds_broken_total: usize,
     pub passes: usize,
-    /// Largest relative residual of the step's solves.
+    /// Largest backward error of the step's solves.
     pub residual: f64,
     /// Energy that the broken bonds took at their critical stretch, over the energy release rate [m].
     pub crack_length: f64,

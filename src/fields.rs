@@ -4,6 +4,7 @@
 pub mod damage;
 mod joints;
 pub mod points;
+pub mod stress;
 
 use crate::fem::recovery::nodal_strain;
 use crate::material::{Material, PlaneState};

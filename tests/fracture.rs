@@ -6,9 +6,10 @@ use common::*;
 use peristitch::boundary::Boundary;
 use peristitch::cracks::Cracks;
 use peristitch::fields::damage::damage;
+use peristitch::fracture::bond_laws::BondLaws;
 use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Resolution, Until};
 use peristitch::fracture::laws::brittle::Brittle;
-use peristitch::fracture::laws::{BondLaws, Strength, StretchLimits};
+use peristitch::fracture::laws::{Strength, StretchLimits};
 use peristitch::fracture::programme::Programme;
 use peristitch::fracture::response::Response;
 use peristitch::fracture::state::State;
@@ -131,10 +132,7 @@ impl Plate {
         let problem = self.problem(control, steps);
         let mut list = Vec::new();
         let observe = |state: &State, record: Record, response: &Response| {
-            let mut state = state.clone();
-            if response.foresees_next() {
-                state.settle(&problem, response);
-            }
+            let state = state.settled(&problem, response).into_owned();
             list.push(Step { state, record });
             Ok::<(), StaticsError>(())
         };

@@ -8,9 +8,10 @@ use common::*;
 use peristitch::boundary::Boundary;
 use peristitch::cracks::Cracks;
 use peristitch::fem::edge::EdgeLoad;
+use peristitch::fracture::bond_laws::BondLaws;
 use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Resolution, Until};
 use peristitch::fracture::laws::brittle::Brittle;
-use peristitch::fracture::laws::{BondLaws, Strength, StretchLimits};
+use peristitch::fracture::laws::{Strength, StretchLimits};
 use peristitch::fracture::programme::{LoadPhase, Programme};
 use peristitch::fracture::response::Response;
 use peristitch::fracture::state::State;
@@ -128,10 +129,7 @@ fn run(
     let mut state = State::new(model, programme);
     let mut list: Vec<Step> = Vec::new();
     let observe = |state: &State, record: Record, response: &Response| {
-        let mut state = state.clone();
-        if response.foresees_next() {
-            state.settle(&problem, response);
-        }
+        let state = state.settled(&problem, response).into_owned();
         let integrity = list.last().map_or(&model.integrity, |s| &s.state.integrity);
         let before = (0..model.springs.len()).filter(|&s| integrity[s] > 0.0);
         let utilisation = before.map(|s| laws.first_limits(s).utilisation(state.stretch(model, s)));

@@ -5,10 +5,11 @@ use super::laws::released;
 use super::problem::Problem;
 use super::response::Response;
 use super::state::{Change, LoadForce, State};
+use std::borrow::Cow;
 
 impl State {
     /// Moves along the straight path to `load`.
-    pub fn advance(&mut self, problem: &Problem, response: &Response, load: Load) {
+    pub(super) fn advance(&mut self, problem: &Problem, response: &Response, load: Load) {
         self.account(problem, response, load);
         self.force
             .follow(response.values().stiffness(self.phase), load);
@@ -16,8 +17,25 @@ impl State {
         self.envelope = self.envelope.max(load.factor);
     }
 
+    /// Finds displacements and reactions, unless the next response is known already: nothing needs them then.
+    pub(super) fn settle_if_due(&mut self, problem: &Problem, response: &Response) {
+        if !response.foresees_next() {
+            self.settle(problem, response);
+        }
+    }
+
+    /// This state with displacements and reactions.
+    pub fn settled(&self, problem: &Problem, response: &Response) -> Cow<'_, State> {
+        if !response.foresees_next() {
+            return Cow::Borrowed(self);
+        }
+        let mut settled = self.clone();
+        settled.settle(problem, response);
+        Cow::Owned(settled)
+    }
+
     /// Finds displacements and reactions everywhere. Fragments stay where they broke off.
-    pub fn settle(&mut self, problem: &Problem, response: &Response) {
+    pub(super) fn settle(&mut self, problem: &Problem, response: &Response) {
         let solutions = response.solutions(problem, self.phase);
         let frozen: Vec<usize> = self.fragments.iter().flatten().copied().collect();
         let kept: Vec<[f64; 2]> = frozen.iter().map(|&node| self.displacement[node]).collect();

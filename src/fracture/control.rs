@@ -20,18 +20,18 @@ pub struct Record {
     pub residual: f64,
 }
 
-/// Loads `state` until the run ends. After each step `observe` is told what happened; what it
-/// returns as an error ends the run.
+/// Loads `state` until the run ends. `observe` is called after each step; an error
+/// that it returns ends the run.
 ///
 /// # Errors
-/// What the solver or `observe` reports.
+/// Errors of the solver and of `observe`.
 pub fn run<E: From<StaticsError>>(
     problem: &Problem,
     state: &mut State,
     phases: &mut Phases,
     mut observe: impl FnMut(&State, Record, &Response) -> Result<(), E>,
 ) -> Result<Ending, E> {
-    // Decided from the state alone, so that a run resumed behind its last step ends there too.
+    // Decided from the state alone, so that a run resumed after its last step ends there too.
     state.begin_phase_if_due(problem.model, problem.programme);
     if let Some(ending) = ending(problem, state) {
         return Ok(ending);
@@ -52,9 +52,7 @@ pub fn run<E: From<StaticsError>>(
         let last_changed = loop {
             state.advance(problem, &response, load);
             let [changed, broken] = change_bonds(problem, state, &mut response, load, phases);
-            if !response.foresees_next() {
-                state.settle(problem, &response);
-            }
+            state.settle_if_due(problem, &response);
             record.changed += changed;
             record.broken += broken;
             record.passes += 1;
@@ -70,9 +68,7 @@ pub fn run<E: From<StaticsError>>(
         observe(state, record, &response)?;
         let is_new_phase = state.begin_phase_if_due(problem.model, problem.programme);
         if let Some(ending) = ending(problem, state) {
-            if response.foresees_next() {
-                state.settle(problem, &response);
-            }
+            state.settle(problem, &response);
             return Ok(ending);
         }
         let is_stale = last_changed > 0 || is_new_phase;

@@ -1,6 +1,6 @@
 //! The length of crack that the breaking of an interaction stands for.
 
-use super::laws::BondLaws;
+use super::bond_laws::BondLaws;
 use crate::model::Model;
 use rayon::prelude::*;
 

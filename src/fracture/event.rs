@@ -9,10 +9,6 @@
 use super::laws::StretchLimits;
 use serde::{Deserialize, Serialize};
 
-/// Bonds within this relative distance of the first one break with it: ties by symmetry differ by
-/// rounding errors only, and none is decided by an index.
-pub const TIE: f64 = 1e-3;
-
 /// A point in the space of loads.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Load {
@@ -34,7 +30,7 @@ impl Load {
     }
 }
 
-/// What the event-driven control finds.
+/// Result of the event-driven control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
     /// A bond reaches its limit.
@@ -45,7 +41,7 @@ pub enum Event {
     None,
 }
 
-/// What the bonds seen so far allow.
+/// Bounds of the load factor that some bonds allow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// λ must not be below this [-].
@@ -63,7 +59,7 @@ impl Bounds {
         excess: 0.0,
     };
 
-    /// Of one bond, with its stretches under what is held and per unit of λ; λ is `last` now.
+    /// Bounds of one bond, with its stretches under the held loads and per unit of λ; λ is `last` now.
     pub fn of([held, unit]: [f64; 2], limit: StretchLimits, last: f64) -> Bounds {
         let now = held + last * unit;
         let excess = match limit.is_exceeded(now) {
@@ -77,14 +73,14 @@ impl Bounds {
             };
         }
         // The limit that the stretch runs towards as λ grows bounds λ from above.
-        let (ahead, behind) = match unit > 0.0 {
+        let (towards, away) = match unit > 0.0 {
             true => (limit.tension, -limit.compression),
             false => (-limit.compression, limit.tension),
         };
         let over = 1.0 / unit;
         Bounds {
-            lower: (behind - held) * over,
-            upper: (ahead - held) * over,
+            lower: (away - held) * over,
+            upper: (towards - held) * over,
             excess,
         }
     }

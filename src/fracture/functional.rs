@@ -1,4 +1,4 @@
-//! What a run asks of every state besides the stretches: a few linear functionals of the displacement.
+//! Linear functionals of the displacement that a run needs of every state besides the stretches.
 //!
 //! With r = K u − f at the prescribed dofs,
 //!
@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 /// One of them.
 #[derive(Clone, Debug)]
 pub struct Functional {
-    /// Of the reactions, or else of the displacements.
+    /// Whether it is a functional of the reactions; else it is one of the displacements.
     of_reactions: bool,
     /// g, dof by dof, ascending.
     weights: Vec<(usize, f64)>,

@@ -1,6 +1,6 @@
-//! What is to be run: body, loads, bond laws, and how the load grows.
+//! The problem that a run solves: body, loads, bond laws, and how the load grows.
 
-use super::laws::BondLaws;
+use super::bond_laws::BondLaws;
 use super::programme::Programme;
 use crate::model::Model;
 use crate::statics::Backend;
@@ -20,7 +20,7 @@ pub enum Control {
     EventDriven,
 }
 
-/// Where a run ends.
+/// Conditions that end a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Until {
     /// Load steps, or events.
@@ -53,7 +53,7 @@ pub enum Resolution {
 }
 
 impl Resolution {
-    /// What systems are solved by; `None` for the backend that suits their size.
+    /// Backend by which systems are solved; `None` for the one that suits their size.
     pub fn backend(self) -> Option<Backend> {
         match self {
             Resolution::Fast | Resolution::Reference => None,

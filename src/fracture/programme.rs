@@ -1,4 +1,4 @@
-//! What the body is loaded with: phases one after the other, each proportional to a load factor of
+//! Load programme: phases one after the other, each proportional to a load factor of
 //! its own.
 //!
 //! In phase p, with the phases before it held at their ends Λ_q, the loads and the prescribed

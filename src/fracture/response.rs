@@ -1,5 +1,5 @@
-//! The response of the body with the bonds that are intact, linear in the load: it serves until the
-//! next bond breaks.
+//! The response of the body with the integrity of now, linear in the load: it serves until the next bond
+//! changes.
 //!
 //! ```text
 //! u(μ, λ) = μ (u_held + λ u_unit)
@@ -8,15 +8,17 @@
 //! λ is the load factor of the current phase, u_held the response to what the phases before it have
 //! left in place. μ = 1, but for the moments in which the body cannot carry what is held.
 //!
-//! Under the event-driven control the response looks ahead (`active_zone.rs`): it knows a number
-//! of events that follow from one factorisation, and goes from one to the next without solving again.
-//! Elsewhere it is updated from the last factorisation (`update.rs`), one solution for each pass in which
-//! bonds broke. Without factors, on a large lattice, conjugate gradients start from what the state was last
-//! settled to.
+//! Under the event-driven control the response looks ahead (`predictor.rs`): it knows a number of events that
+//! follow from one factorisation, and goes from one to the next without solving again. Elsewhere it is updated
+//! from the last factorisation (`update.rs`), one solution for each pass in which bonds changed. Without
+//! factors, on a large lattice, conjugate gradients start from the displacements to which the state was last
+//! settled.
 
-use super::active_zone::{Ahead, look_ahead};
-use super::event::{Bounds, Event, Load, TIE, is_at_limit};
+use super::event::{Bounds, Event, Load, is_at_limit};
 use super::functional::Values;
+use super::look_ahead::LookAhead;
+use super::policy::{NEAR, TIE};
+use super::predictor::look_ahead;
 use super::problem::{Control, Problem, Resolution};
 use super::solutions::{Solutions, nan_max};
 use super::state::State;
@@ -27,26 +29,29 @@ use crate::statics::{Factorised, Solution, Solver, StaticsError};
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// A bond at this share of its limit may break soon.
-const NEAR: f64 = 0.8;
-
-/// The response, and what is known of those that follow.
+/// The response, and how the next one is found.
 pub struct Response {
     solved: Solutions,
     values: Values,
-    /// The events that follow, and which of them is next.
-    ahead: Option<Ahead>,
-    next: usize,
-    update: Option<Update>,
-    /// Bonds that were near their limit when they were last asked for, and what all of them allow where
-    /// none was over it.
-    near: Vec<usize>,
+    next: NextResponse,
+    /// Bounds of the load that all bonds allow, where none was over its limit when they were last asked for.
     carries: Option<Bounds>,
+}
+
+/// How the next response is found.
+enum NextResponse {
+    /// It is predicted; and which of the predicted events is next.
+    LookAhead(Box<LookAhead>, usize),
+    /// By an update of the factorisation; and the bonds that were near their limit when they were last asked
+    /// for.
+    Update(Box<Update>, Vec<usize>),
+    /// By a new factorisation, or by conjugate gradients.
+    Anew,
 }
 
 impl Response {
     /// # Errors
-    /// What the solver reports.
+    /// Errors of the solver.
     pub fn new(
         solver: &Solver,
         problem: &Problem,
@@ -73,10 +78,7 @@ impl Response {
         let mut response = Response {
             values: solved.values(problem),
             solved,
-            ahead: None,
-            next: 0,
-            update: None,
-            near: Vec::new(),
+            next: NextResponse::Anew,
             carries: None,
         };
         if problem.resolution == Resolution::Reference || !factorised.has_compliances() {
@@ -87,15 +89,13 @@ impl Response {
         {
             let start = Instant::now();
             let (solved, values) = (&response.solved, &response.values);
-            response.ahead = look_ahead(problem, state, factorised, solved, values, load);
+            if let Some(ahead) = look_ahead(problem, state, factorised, solved, values, load) {
+                response.next = NextResponse::LookAhead(Box::new(ahead), 0);
+            }
             phases.note("active zone", start);
         } else {
-            response.update = Some(Update::new(
-                problem,
-                factorised,
-                response.solved.clone(),
-                state,
-            ));
+            let update = Update::new(problem, factorised, response.solved.clone(), state);
+            response.next = NextResponse::Update(Box::new(update), Vec::new());
         }
         Ok(response)
     }
@@ -103,7 +103,7 @@ impl Response {
     /// The response after the bonds of an event have broken, or a new phase has begun.
     ///
     /// # Errors
-    /// What the solver reports.
+    /// Errors of the solver.
     pub fn renew(
         &mut self,
         solver: &Solver,
@@ -111,23 +111,25 @@ impl Response {
         state: &mut State,
         phases: &mut Phases,
     ) -> Result<(), StaticsError> {
-        if self.foresees_next() {
-            self.next += 1;
-            return Ok(());
+        match &mut self.next {
+            NextResponse::LookAhead(ahead, next) if *next + 1 < ahead.count() => {
+                *next += 1;
+                return Ok(());
+            }
+            NextResponse::Update(update, near) => {
+                if let Some(solved) = update.renew(problem, state, near, phases) {
+                    self.carries = None;
+                    self.values = solved.values(problem);
+                    self.solved = solved;
+                    return Ok(());
+                }
+            }
+            _ => {}
         }
-        if let Some(update) = &mut self.update
-            && let Some(solved) = update.renew(problem, state, &self.near, phases)
-        {
-            self.carries = None;
-            self.values = solved.values(problem);
-            self.solved = solved;
-            return Ok(());
-        }
-        // Two factors at a time are more than may fit.
-        self.ahead = None;
-        let factorised = match self.update.take() {
-            Some(update) => update.refactorise(solver, state, phases)?,
-            None => None,
+        // Two factors at a time are more than may fit: the old one goes before the new one comes.
+        let factorised = match std::mem::replace(&mut self.next, NextResponse::Anew) {
+            NextResponse::Update(update, _) => update.refactorise(solver, state, phases)?,
+            _ => None,
         };
         *self = match factorised {
             Some(factorised) => Response::of(factorised, solver, problem, state, phases)?,
@@ -137,27 +139,30 @@ impl Response {
     }
 
     /// Whether the response after the next event is known already.
-    pub fn foresees_next(&self) -> bool {
-        let ahead = self.ahead.as_ref();
-        ahead.is_some_and(|ahead| self.next + 1 < ahead.count())
+    pub(super) fn foresees_next(&self) -> bool {
+        matches!(&self.next, NextResponse::LookAhead(ahead, next) if next + 1 < ahead.count())
     }
 
     /// Whether a run that begins with `state`, and so with a factorisation, goes on with the same bits.
     pub fn is_reproducible(&self, state: &State) -> bool {
-        match (&self.ahead, &self.update) {
-            (Some(_), _) => !self.foresees_next(),
-            (None, Some(update)) => update.is_reproducible(state),
-            (None, None) => true,
+        match &self.next {
+            NextResponse::LookAhead(..) => !self.foresees_next(),
+            NextResponse::Update(update, _) => update.is_reproducible(state),
+            NextResponse::Anew => true,
         }
     }
 
-    fn now(&self) -> Option<(&Ahead, usize)> {
-        self.ahead.as_ref().map(|ahead| (ahead, self.next))
+    /// The predicted events, and which of them is next.
+    fn predicted(&self) -> Option<(&LookAhead, usize)> {
+        match &self.next {
+            NextResponse::LookAhead(ahead, next) => Some((ahead, *next)),
+            _ => None,
+        }
     }
 
     /// u_held and u_unit everywhere.
     pub fn solutions(&self, problem: &Problem, phase: usize) -> Solutions {
-        match self.now() {
+        match self.predicted() {
             Some((ahead, next)) if next > 0 => ahead.solutions(problem, phase, &self.solved, next),
             _ => self.solved.clone(),
         }
@@ -165,36 +170,36 @@ impl Response {
 
     /// Largest backward error since the last factorisation [-].
     pub fn residual(&self) -> f64 {
-        let ahead = self.now().map_or(0.0, |(ahead, _)| ahead.residual);
+        let ahead = self.predicted().map_or(0.0, |(ahead, _)| ahead.residual);
         nan_max(ahead, self.solved.residual())
     }
 
     /// Resultants and works.
     pub fn values(&self) -> &Values {
-        match self.now() {
-            Some((ahead, next)) => &ahead.moment(next).values,
+        match self.predicted() {
+            Some((ahead, next)) => &ahead.event(next).values,
             None => &self.values,
         }
     }
 
     /// Stretch of a spring, broken in this event or the last one [-].
     pub fn stretch(&self, problem: &Problem, spring: usize, load: Load) -> f64 {
-        let ahead = self.now().filter(|&(_, next)| next > 0);
+        let ahead = self.predicted().filter(|&(_, next)| next > 0);
         let foreseen = ahead.and_then(|(ahead, next)| ahead.stretches(next, spring));
         load.combine(foreseen.unwrap_or_else(|| self.solved.stretches(problem, spring)))
     }
 
     /// The load at which the next bond breaks.
     pub fn next_event(&self, problem: &Problem, state: &State) -> Event {
-        if let Some((ahead, next)) = self.now() {
-            return Event::Break(ahead.moment(next).load);
+        if let Some((ahead, next)) = self.predicted() {
+            return Event::Break(ahead.event(next).load);
         }
         let end = problem.programme.phases[state.phase].end;
         let bounds = self.bounds(problem, state);
         bounds.event(state.load.factor, end)
     }
 
-    /// What the intact bonds allow.
+    /// Bounds of the load factor that all bonds allow.
     fn bounds(&self, problem: &Problem, state: &State) -> Bounds {
         let of = |s| {
             let stretches = self.solved.stretches(problem, s);
@@ -209,7 +214,7 @@ impl Response {
         all.reduce(|| Bounds::NONE, Bounds::and)
     }
 
-    /// Intact bonds that are over their limit under a load.
+    /// Bonds that are over a limit of their branch under a load.
     pub fn bonds_over_limit(&mut self, problem: &Problem, state: &State, load: Load) -> Vec<usize> {
         if self.carries.is_some_and(|bounds| bounds.allow(load)) {
             return Vec::new();
@@ -228,18 +233,21 @@ impl Response {
                 .limits(s, state.integrity[s])
                 .is_exceeded(stretch)
         };
-        self.near = intact(problem, state).filter(is_near).collect();
-        let over: Vec<usize> = self.near.iter().copied().filter(is_over).collect();
+        let close: Vec<usize> = intact(problem, state).filter(is_near).collect();
+        let over: Vec<usize> = close.iter().copied().filter(is_over).collect();
+        if let NextResponse::Update(_, near) = &mut self.next {
+            *near = close;
+        }
         if over.is_empty() {
             self.carries = Some(self.bounds(problem, state));
         }
         over
     }
 
-    /// Bonds at their limit, or within a small share of it and bound to reach it.
+    /// Bonds at a limit of their branch, or within a small share of it and bound to reach it.
     pub fn bonds_at_limit(&self, problem: &Problem, state: &State, load: Load) -> Vec<usize> {
-        if let Some((ahead, next)) = self.now() {
-            return ahead.moment(next).bonds.clone();
+        if let Some((ahead, next)) = self.predicted() {
+            return ahead.event(next).bonds.clone();
         }
         let reaches = |&s: &usize| {
             let stretches = self.solved.stretches(problem, s);
@@ -284,7 +292,7 @@ fn solve(
     Ok(Solutions { held, unit })
 }
 
-/// What u_unit was when the state was last settled, as far as the state tells: a run that goes on from a
+/// u_unit when the state was last settled, as far as the state determines it: a run that goes on from a
 /// checkpoint knows no more.
 fn unit_guess(state: &State, held: Option<&Solution>) -> Option<Vec<[f64; 2]>> {
     let Load { share, factor } = state.load;

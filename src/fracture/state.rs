@@ -1,18 +1,15 @@
-//! What changes during a run: the integrity of the interactions, and the energy that its changes have
-//! taken.
+//! The state of a run: the integrity of the interactions, and the energy that its changes have taken.
 
+use super::bond_laws::BondLaws;
 use super::ending::Ending;
 use super::event::Load;
-use super::laws::BondLaws;
+use super::policy::SEPARATED;
 use super::programme::Programme;
 use crate::model::Model;
 use crate::statics::{StaticsError, SystemSize};
 use crate::support;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
-
-/// A body whose reaction is below this share of its peak is separated.
-const SEPARATED: f64 = 0.02;
 
 /// The state of a run.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -42,7 +39,7 @@ pub struct State {
     pub load_lost: bool,
     /// Dofs that are held because a chunk hangs on a hinge there.
     pub mechanisms: BTreeSet<usize>,
-    /// Where there is no solution any more: how the run ends, and why.
+    /// Ending and reason, if there is no solution any more.
     pub stopped: Option<(Ending, String)>,
     pub energy: Energy,
     pub force: LoadForce,
@@ -96,7 +93,7 @@ pub struct LoadForce {
 
 impl LoadForce {
     /// Whether next to nothing is left of the reaction. On top of held loads it also passes through
-    /// zero while the body is whole, so that there the stiffness must be gone too.
+    /// zero while the body is whole, so that the stiffness must be lost too.
     pub fn is_spent(&self) -> bool {
         let [first, now] = self.stiffness;
         let is_soft = now.abs() < SEPARATED * first.abs();
@@ -170,7 +167,7 @@ impl State {
         is_due
     }
 
-    /// What is left has no solution: the run ends here.
+    /// Ends the run, because there is no solution any more.
     pub fn stop(&mut self, error: &StaticsError) -> Ending {
         let ending = match error {
             StaticsError::Swings { .. } => Ending::Collapsed,

@@ -1,48 +1,24 @@
-//! The response after bonds have gone, from the factorisation before them (Woodbury).
+//! The response after bonds have changed, from the factorisation before them (`low_rank.rs`): one solution finds
+//! u' everywhere, and its backward error is checked.
 //!
-//! The springs gone since K was factorised took S = Σ k w wᵀ. With E the dofs that they touch,
+//! If the next update would cost more than that, the factorisation itself follows the changes
+//! (`linear_solver/refactorisation.rs`): the supernodes above them are factorised anew, with the bits of a whole
+//! factorisation.
 //!
-//! ```text
-//! K' = K − E S Eᵀ,   G = Eᵀ K⁻¹ E,   z = Eᵀ u'
-//! (I − G S) z = Eᵀ u,   u' = u + K⁻¹ E S z
-//! ```
-//!
-//! holds for an S of any rank, singular or not. G = Xᵀ X with X = L⁻¹ E grows by the dofs that a pass adds, and
-//! costs what lies on their way through the elimination tree (`linear_solver/compliance.rs`); the dense system is
-//! small; then one solution finds u' everywhere, and its true residual is checked.
-//!
-//! Where the next update would cost more than that, the factorisation itself follows the bonds that are
-//! gone (`linear_solver/refactorisation.rs`): the supernodes above them are factorised anew, with the bits of
-//! a whole factorisation.
-//!
-//! A fragment that has come off does not move, z_F = 0: the unknowns there are the forces r that hold it,
-//! with columns −G_F in place of those of z_F.
+//! A fragment that has come off does not move, and a hinge that is left is held: their dofs are pinned.
 
-use super::dense::Lu;
-use super::lost::pairs;
+use super::costs::UpdateCosts;
+use super::low_rank::{Loss, LowRankChange, ReducedSystem};
+use super::policy::{DRIFT, MOST_HINGES, STILL};
 use super::problem::Problem;
+use super::rates::DOFS_AT_A_TIME;
 use super::solutions::Solutions;
 use super::state::{Change, State};
-use super::touched::{Touched, losses};
 use crate::boundary::Boundary;
 use crate::phases::Phases;
 use crate::statics::{Factorised, Solution, Solver, StaticsError};
 
-/// The largest backward error that is not worth a factorisation: one leaves some 1e-17.
-const DRIFT: f64 = 1e-14;
-
-/// More hinges than these at once are for a factorisation to find.
-const MOST_HINGES: usize = 16;
-
-/// Weights of [`Costs`], measured (docs/performance.md): a sparse factorisation runs at some fifth of the
-/// rate of a dense product, a solution at a hundredth.
-const FACTORISATION: f64 = 4.0;
-const REFINEMENT: f64 = 200.0;
-const SOLUTION: f64 = 100.0;
-const PER_DOF: f64 = 0.6;
-const DENSE: f64 = 2.0;
-
-/// What happened since a factorisation, and the response then.
+/// A factorisation, the response then, and the changes since.
 pub struct Update {
     factorised: Factorised,
     /// u_held and u_unit then, with ‖f‖ of both cases [N].
@@ -53,8 +29,8 @@ pub struct Update {
     first: usize,
     /// Number of its changes when the response was last updated.
     known: usize,
-    touched: Touched,
-    costs: Costs,
+    change: LowRankChange,
+    costs: UpdateCosts,
 }
 
 impl Update {
@@ -71,13 +47,13 @@ impl Update {
                 held.map_or(0.0, |case| factorised.load_norm(&case)),
                 factorised.load_norm(unit),
             ],
-            costs: Costs::new(problem, &factorised, state),
+            costs: UpdateCosts::new(problem, &factorised, state),
             factorised,
             base,
             phase: state.phase,
             first: state.changes.len(),
             known: state.changes.len(),
-            touched: Touched::new(),
+            change: LowRankChange::default(),
         }
     }
 
@@ -91,8 +67,8 @@ impl Update {
         }
     }
 
-    /// u_held and u_unit with the bonds that are gone; `None` where a factorisation is due. `near`: springs
-    /// that may go soon.
+    /// u_held and u_unit after the changes; `None` where a factorisation is due. `near`: interactions that
+    /// may change soon.
     pub fn renew(
         &mut self,
         problem: &Problem,
@@ -104,26 +80,30 @@ impl Update {
             return None;
         }
         let mut pins = self.pins(state);
+        let model = problem.model;
         let changes = &state.changes[self.known..];
-        let new = self.touched.enter(problem, changes, &pins);
-        if !self.costs.add(self.touched.active(), new) {
+        let of_change = |change: &Change| model.springs.nodes(change.interaction as usize);
+        let dofs = changes.iter().flat_map(of_change).flat_map(dofs_of);
+        let new = self.change.activate(dofs.chain(pins.iter().copied()));
+        if !self.costs.add(self.change.active(), new) {
             return None;
         }
-        self.touched.expect(problem, near);
-        phases.measure("compliance", || self.touched.extend(&self.factorised));
-        phases.measure("update", || self.touched.lose(problem, changes));
+        self.expect(problem, near);
+        phases.measure("compliance", || self.change.extend(&self.factorised))?;
+        let losses: Vec<Loss> = changes.iter().map(|c| Loss::of(problem, c)).collect();
+        phases.measure("update", || self.change.lose(model, &losses));
         self.known = state.changes.len();
         let mut mechanisms = Vec::new();
         let system = loop {
-            match phases.measure("update", || self.touched.factorise(&pins)) {
+            match phases.measure("update", || self.change.factorise(&pins)) {
                 Ok(system) => break system,
                 Err(_) if mechanisms.len() == MOST_HINGES => return None,
                 Err(motion) => {
-                    let dof = self.touched.last_to_move(&self.factorised, &pins, motion)?;
+                    let dof = self.last_to_move(&pins, motion)?;
                     mechanisms.push(dof);
                     pins.push(dof);
-                    self.touched.enter(problem, &[], &[dof]);
-                    self.touched.extend(&self.factorised);
+                    self.change.activate([dof].into_iter());
+                    self.change.extend(&self.factorised)?;
                 }
             }
         };
@@ -133,11 +113,41 @@ impl Update {
         Some(solutions)
     }
 
-    /// The factorisation brought up to the bonds that are gone: the supernodes above them factorised anew.
+    /// Adds dofs of interactions that may change soon, where others come in anyway.
+    fn expect(&mut self, problem: &Problem, near: &[usize]) {
+        if self.change.new_dofs().is_empty() {
+            return;
+        }
+        let nodes = near.iter().flat_map(|&s| problem.model.springs.nodes(s));
+        for node in nodes {
+            if self.change.new_dofs().len() >= DOFS_AT_A_TIME {
+                return;
+            }
+            dofs_of(node).for_each(|dof| {
+                self.change.add(dof);
+            });
+        }
+    }
+
+    /// The last dof to be eliminated among those that a motion without force moves: its pivot would vanish.
+    fn last_to_move(&self, pins: &[usize], motion: Vec<f64>) -> Option<usize> {
+        let forces = self.change.forces_of_motion(pins, motion);
+        let moved = self.change.respond(&self.factorised, &forces);
+        let largest = moved.iter().fold(0.0, |a, b| f64::max(a, b.abs()));
+        let moves = (0..moved.len()).filter(|&dof| moved[dof].abs() > STILL * largest);
+        let moves = moves.filter(|dof| !pins.contains(dof));
+        let places = moves.map(|dof| {
+            let place = self.factorised.elimination(dof);
+            place.map(|place| (place, dof))
+        });
+        places.max().flatten().map(|(_, dof)| dof)
+    }
+
+    /// The factorisation brought up to the changes: the supernodes above them are factorised anew.
     /// `None` where K is to be factorised as a whole.
     ///
     /// # Errors
-    /// What the solver reports.
+    /// Errors of the solver.
     pub fn refactorise(
         self,
         solver: &Solver,
@@ -147,13 +157,13 @@ impl Update {
         let Update {
             mut factorised,
             first,
-            touched,
+            change,
             ..
         } = self;
         let changes = state.changes[first..].iter();
         let changed: Vec<u32> = changes.map(|change| change.interaction).collect();
         // The memory is needed for what supernodes pass up.
-        drop(touched);
+        drop(change);
         let done = solver.refactorise(
             &mut factorised,
             &changed,
@@ -169,20 +179,25 @@ impl Update {
         &self,
         problem: &Problem,
         state: &State,
-        system: &Lu,
+        system: &ReducedSystem,
         pins: &[usize],
     ) -> Option<Solutions> {
         let (model, programme) = (problem.model, problem.programme);
-        let losses = losses(problem, &state.changes[self.first..]);
+        let changes = state.changes[self.first..].iter();
+        let losses: Vec<Loss> = changes.map(|change| Loss::of(problem, change)).collect();
         let after = |before: &Solution, case: (&Boundary, f64)| {
-            let forces = self.touched.forces(system, pins, before);
-            let mut change = self.touched.change(&self.factorised, &forces);
+            let forces = self.change.forces(system, before);
+            let mut change = self.change.respond(&self.factorised, &forces);
             for &dof in pins {
                 change[dof] = -before.displacement[dof / 2][dof % 2];
             }
-            let solution = self
-                .factorised
-                .without(model, case, before, &change, pairs(&losses));
+            let solution = self.factorised.changed(
+                model,
+                case,
+                before,
+                &change,
+                losses.iter().map(Loss::parts),
+            );
             // False for what is not a number.
             (solution.residual <= DRIFT).then_some(solution)
         };
@@ -205,64 +220,8 @@ impl Update {
     }
 }
 
-/// When a factorisation is due: as soon as the next update would cost more than all since the last one
-/// have on average, that one included. From counts alone, in units of a multiplication in a dense product.
-struct Costs {
-    factorisation: f64,
-    /// Of one dof that comes in, and of a solution.
-    per_dof: f64,
-    solution: f64,
-    /// More dofs than these would take as much memory as the factor.
-    most_dofs: usize,
-    spent: f64,
-    updates: usize,
-    /// Dofs of the last update, and how many of them were new.
-    last: [usize; 2],
-}
-
-impl Costs {
-    fn new(problem: &Problem, factorised: &Factorised, state: &State) -> Costs {
-        let entries = factorised.entries as f64;
-        // The next one follows what will have broken until then: no less than what broke last. From what a
-        // checkpoint holds as well.
-        let of_change = |change: &Change| problem.model.springs.nodes(change.interaction as usize);
-        let nodes = state.fresh_changes().iter().flat_map(of_change);
-        let nodes: Vec<u32> = nodes.copied().collect();
-        let flops = match nodes.is_empty() {
-            true => factorised.flops,
-            false => factorised.flops_above(&nodes),
-        };
-        // G, I − G S and its factors, and X with some more rows than these.
-        let most_dofs = (entries / 9.0).sqrt();
-        Costs {
-            factorisation: FACTORISATION * flops + REFINEMENT * entries,
-            per_dof: PER_DOF * entries,
-            solution: SOLUTION * entries,
-            most_dofs: most_dofs as usize,
-            spent: 0.0,
-            updates: 0,
-            last: [0, 0],
-        }
-    }
-
-    fn of(&self, size: usize, new: usize) -> f64 {
-        let size = size as f64;
-        DENSE * size * size * size + self.per_dof * new as f64 + self.solution
-    }
-
-    /// One more update; whether it is worth it.
-    fn add(&mut self, size: usize, new: usize) -> bool {
-        let cost = self.of(size, new);
-        self.spent += cost;
-        self.updates += 1;
-        self.last = [size, new];
-        size <= self.most_dofs && cost < self.factorisation
-    }
-
-    fn is_due(&self) -> bool {
-        let [size, new] = self.last;
-        let next = self.of(size + new, new);
-        let average = (self.factorisation + self.spent) / self.updates as f64;
-        self.updates > 0 && (next > average || size + new > self.most_dofs)
-    }
+/// Dofs of a node.
+fn dofs_of(node: &u32) -> impl Iterator<Item = usize> + use<> {
+    let first = 2 * *node as usize;
+    [first, first + 1].into_iter()
 }

@@ -43,8 +43,8 @@ const ITERATIVE_VECTORS: f64 = 20.0;
 /// other threads, over those of one subtree after the other: fitted to 41 000 points on two threads.
 const WAITING: f64 = 2.5;
 
-/// Of a spring in a fracture run: its limits, the length of crack that it stands for, whether it is intact
-/// in the state and in the frames that wait; and of a fracture run of any size. Both fitted to the same and to
+/// Bytes of an interaction in a fracture run: its law, the length of crack that it stands for, its integrity in
+/// the state; and of a fracture run of any size. Both fitted to the same and to
 /// 10⁶ points [bytes].
 const BREAKABLE: f64 = 48.0;
 const FRACTURE: f64 = 15e6;

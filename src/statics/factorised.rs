@@ -73,7 +73,7 @@ impl Factorised {
 
     /// The solution of a case after interactions have changed, from the one before and its change [m]. `load`:
     /// ‖f‖₂ of the case [N]; `losses`: interactions, and the stiffness that each has lost [N/m].
-    pub fn without(
+    pub fn changed(
         &self,
         model: &Model,
         (case, load): (&Boundary, f64),

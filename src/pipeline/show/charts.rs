@@ -1,6 +1,7 @@
 //! The course of a fracture run as charts: reaction over grip displacement, energies.
 
 use crate::fracture::control::Control;
+use crate::fracture::envelope::envelope;
 use crate::output::picture::{Axis, Chart, Curve, Mark};
 use crate::pipeline::read::plan::{Loading, Plan};
 use crate::pipeline::record::history::Line;
@@ -33,7 +34,7 @@ pub(crate) fn load_displacement(plan: &Plan, course: &Course) -> Chart {
     let breaking = history.iter().filter(|line| line.bonds_broken > 0);
     let dots: Vec<[f64; 2]> = breaking.map(at).collect();
     let start = std::iter::once([0.0, 0.0]);
-    let on_envelope = envelope(history);
+    let on_envelope = on_envelope(history);
     let envelope = (on_envelope.len() < history.len()).then(|| Curve {
         name: "envelope".to_owned(),
         points: on_envelope.into_iter().map(at).collect(),
@@ -118,31 +119,10 @@ fn axis(name: &str, unit: &str) -> Axis {
     }
 }
 
-/// The outline of a path that turns back and forth: up to the largest load factor what is above all that
-/// went before, from there on what is above all that still comes.
-fn envelope(history: &[Line]) -> Vec<&Line> {
-    let by_load = |a: &&Line, b: &&Line| a.load_factor.total_cmp(&b.load_factor);
+/// The lines of the last phase on the envelope of its path.
+fn on_envelope(history: &[Line]) -> Vec<&Line> {
     let phase = history.last().map(|line| line.phase);
     let lines: Vec<&Line> = history.iter().filter(|l| Some(l.phase) == phase).collect();
-    let Some(peak) = lines.iter().copied().max_by(by_load) else {
-        return Vec::new();
-    };
-    let (before, after): (Vec<&Line>, Vec<&Line>) =
-        lines.into_iter().partition(|line| line.step <= peak.step);
-    let mut envelope = rising(before.into_iter());
-    let mut falling = rising(after.into_iter().rev());
-    falling.reverse();
-    envelope.append(&mut falling);
-    envelope
-}
-
-/// Lines above all that come before them.
-fn rising<'a>(lines: impl Iterator<Item = &'a Line>) -> Vec<&'a Line> {
-    let mut highest = f64::NEG_INFINITY;
-    let higher = |line: &&Line| {
-        let is_higher = line.load_factor > highest;
-        highest = highest.max(line.load_factor);
-        is_higher
-    };
-    lines.filter(higher).collect()
+    let factors: Vec<f64> = lines.iter().map(|line| line.load_factor).collect();
+    envelope(&factors).into_iter().map(|k| lines[k]).collect()
 }

@@ -3,6 +3,7 @@
 use super::deformed::Deformed;
 use crate::fields::NodalFields;
 use crate::fields::points::PointFields;
+use crate::fields::stress::{largest_principal, von_mises};
 use crate::model::Model;
 use crate::output::picture::FieldPicture;
 use crate::pipeline::read::plan::Plan;
@@ -20,20 +21,15 @@ pub(crate) enum Measure {
 }
 
 impl Measure {
-    /// Of xx, yy, zz, xy [Pa].
-    fn of(self, [xx, yy, zz, xy]: [f64; 4]) -> f64 {
+    /// The measure of the stress xx, yy, zz, xy [Pa].
+    fn of(self, stress: [f64; 4]) -> f64 {
+        let [xx, yy, _, xy] = stress;
         match self {
             Measure::Xx => xx,
             Measure::Yy => yy,
             Measure::Xy => xy,
-            Measure::Principal => {
-                let radius = ((xx - yy) / 2.0).hypot(xy);
-                ((xx + yy) / 2.0 + radius).max(zz)
-            }
-            Measure::VonMises => {
-                let squares = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
-                (squares / 2.0 + 3.0 * xy * xy).sqrt()
-            }
+            Measure::Principal => largest_principal(stress),
+            Measure::VonMises => von_mises(stress),
         }
     }
 
@@ -129,32 +125,5 @@ pub(crate) fn title(plan: &Plan, what: &str, step: Option<usize>) -> String {
     match step {
         Some(step) => format!("{}: {what} at step {step}", plan.name),
         None => format!("{}: {what}", plan.name),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn measures_of_known_states() {
-        let of = |stress: [f64; 4]| {
-            [
-                Measure::Xx,
-                Measure::Yy,
-                Measure::Xy,
-                Measure::Principal,
-                Measure::VonMises,
-            ]
-            .map(|measure| measure.of(stress))
-        };
-        // Uniaxial tension; pure shear; hydrostatic pressure.
-        assert_eq!(of([0.0, 5.0, 0.0, 0.0]), [0.0, 5.0, 0.0, 5.0, 5.0]);
-        let [.., principal, mises] = of([0.0, 0.0, 0.0, 2.0]);
-        assert_eq!(principal, 2.0);
-        assert!((mises - 2.0 * 3_f64.sqrt()).abs() < 1e-15);
-        assert_eq!(of([-3.0, -3.0, -3.0, 0.0]), [-3.0, -3.0, 0.0, -3.0, 0.0]);
-        // Out of the plane the stress may be the largest one.
-        assert_eq!(Measure::Principal.of([-3.0, -2.0, 1.0, 0.0]), 1.0);
     }
 }

@@ -1,6 +1,7 @@
 //! The numbers of a run for `summary.json`.
 
 use super::results::{Outcome, lattice_name};
+use crate::fracture::envelope::peak;
 use crate::gmsh;
 use crate::model::{Method, PointRegion};
 use crate::pipeline::account::costs::Costs;
@@ -165,7 +166,8 @@ impl From<&Line> for Event {
 /// have broken the body.
 fn envelope_peak(history: &[Line]) -> Option<Event> {
     let phase = history.last()?.phase;
-    let lines = history.iter().filter(|line| line.phase == phase);
-    let peak = lines.max_by(|a, b| a.load_factor.total_cmp(&b.load_factor))?;
+    let lines: Vec<&Line> = history.iter().filter(|line| line.phase == phase).collect();
+    let factors: Vec<f64> = lines.iter().map(|line| line.load_factor).collect();
+    let peak = lines[peak(&factors)?];
     Some(Event::from(peak))
 }

@@ -327,15 +327,8 @@ impl Writer<'_, '_> {
         } = &plan.output;
         let is_pictured = pictures_at.contains(&state.step);
         let wants_frame = first_break || is_pictured || state.step.is_multiple_of(*every);
-        let frame = match (wants_frame, response.foresees_next()) {
-            (false, _) => None,
-            (true, false) => self.chronicle.frame(state),
-            (true, true) => {
-                let mut whole = state.clone();
-                whole.settle(problem, response);
-                self.chronicle.frame(&whole)
-            }
-        };
+        let settled = wants_frame.then(|| state.settled(problem, response));
+        let frame = settled.and_then(|state| self.chronicle.frame(&state));
         let checkpoint = response
             .is_reproducible(state)
             .then(|| self.chronicle.checkpoint(state));

@@ -2,7 +2,8 @@
 
 use crate::boundary::{Boundary, BoundaryError};
 use crate::cracks::Cracks;
-use crate::fracture::laws::{BondLaws, Breakable, Strength};
+use crate::fracture::bond_laws::{BondLaws, Breakable};
+use crate::fracture::laws::Strength;
 use crate::fracture::programme::{LoadPhase, Programme};
 use crate::geometry::Outline;
 use crate::mesh::Mesh;

@@ -1,20 +1,16 @@
-//! X = L⁻¹ E and A = Xᵀ X of the dofs of a zone. Zones on the same factor that end early share most of their dofs:
-//! of these both are known.
+//! X = L⁻¹ E and A = Xᵀ X of the dofs of a zone. Zones on the same factor that end early share most of their dofs,
+//! whose X and A are taken over.
 
+use super::rates::{LEAST_SHARED, MOST_BLOCKS};
 use crate::linear_solver::columns::slice_mut;
 use crate::linear_solver::compliance::UnitLoads;
 use crate::statics::Factorised;
 use faer::Mat;
 use rayon::prelude::*;
 
-/// A smaller share of known dofs is not worth the smaller blocks.
-const LEAST_SHARE: f64 = 0.3;
-
-/// With more blocks than these, products are of few columns each.
-const MOST_BLOCKS: usize = 12;
-
-pub struct Compliance {
-    /// Ascending.
+/// X and A of the dofs of a zone.
+pub struct ZoneCompliance {
+    /// The dofs, ascending.
     dofs: Vec<usize>,
     pub loads: UnitLoads,
     /// A [m/N].
@@ -23,26 +19,26 @@ pub struct Compliance {
     pub flops: f64,
 }
 
-impl Compliance {
-    /// `before`: of another zone, on the same factor. `None` where the factor is not Cholesky's.
+impl ZoneCompliance {
+    /// X and A of these dofs; `before` is that of another zone on the same factor. `None` where the factor is not Cholesky's.
     pub fn new(
         factorised: &Factorised,
         dofs: &[usize],
-        before: Option<Compliance>,
-    ) -> Option<Compliance> {
+        before: Option<ZoneCompliance>,
+    ) -> Option<ZoneCompliance> {
         if let Some(before) = &before
             && let Some(shared) = Shared::new(before, dofs)
         {
             return shared.extend(factorised, dofs);
         }
         drop(before);
-        Compliance::of(factorised, dofs)
+        ZoneCompliance::of(factorised, dofs)
     }
 
-    fn of(factorised: &Factorised, dofs: &[usize]) -> Option<Compliance> {
+    fn of(factorised: &Factorised, dofs: &[usize]) -> Option<ZoneCompliance> {
         let loads = factorised.unit_loads(dofs)?;
         let size = dofs.len() as f64;
-        Some(Compliance {
+        Some(ZoneCompliance {
             flops: loads.flops + size * size * loads.rows() as f64,
             own: loads.square(),
             dofs: dofs.to_vec(),
@@ -51,21 +47,21 @@ impl Compliance {
     }
 }
 
-/// What a zone shares with the one before.
+/// Dofs that a zone shares with the one before.
 struct Shared<'a> {
-    before: &'a Compliance,
-    /// Place before of each dof, if it was there, and the other way round.
+    before: &'a ZoneCompliance,
+    /// Place of each dof in the zone before, if it was there, and place of each dof before in this zone.
     source: Vec<Option<usize>>,
     target: Vec<Option<usize>>,
 }
 
 impl Shared<'_> {
-    fn new<'a>(before: &'a Compliance, dofs: &[usize]) -> Option<Shared<'a>> {
+    fn new<'a>(before: &'a ZoneCompliance, dofs: &[usize]) -> Option<Shared<'a>> {
         let find = |list: &[usize], dof: &usize| list.binary_search(dof).ok();
         let source: Vec<Option<usize>> = dofs.iter().map(|dof| find(&before.dofs, dof)).collect();
         let count = source.iter().flatten().count();
         let is_worth_it =
-            count as f64 >= LEAST_SHARE * dofs.len() as f64 && before.loads.blocks() < MOST_BLOCKS;
+            count as f64 >= LEAST_SHARED * dofs.len() as f64 && before.loads.blocks() < MOST_BLOCKS;
         is_worth_it.then(|| Shared {
             target: before.dofs.iter().map(|dof| find(dofs, dof)).collect(),
             before,
@@ -73,7 +69,7 @@ impl Shared<'_> {
         })
     }
 
-    fn extend(&self, factorised: &Factorised, dofs: &[usize]) -> Option<Compliance> {
+    fn extend(&self, factorised: &Factorised, dofs: &[usize]) -> Option<ZoneCompliance> {
         let places = 0..dofs.len();
         let fresh: Vec<usize> = places.filter(|&k| self.source[k].is_none()).collect();
         let fresh_dofs: Vec<usize> = fresh.iter().map(|&k| dofs[k]).collect();
@@ -91,7 +87,7 @@ impl Shared<'_> {
             }
         }
         let sizes = 2.0 * (fresh.len() * dofs.len()) as f64;
-        Some(Compliance {
+        Some(ZoneCompliance {
             flops: fresh_loads.flops + sizes * loads.rows() as f64,
             own,
             dofs: dofs.to_vec(),
@@ -99,7 +95,7 @@ impl Shared<'_> {
         })
     }
 
-    /// A of the dofs that are shared; nothing for the others.
+    /// A of the dofs that are shared; zero for the others.
     fn known(&self) -> Mat<f64> {
         let size = self.source.len();
         let mut own = Mat::zeros(size, size);

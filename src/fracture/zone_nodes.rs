@@ -1,42 +1,27 @@
-//! Where bonds will break next: the nodes around the tips, and those ahead of them.
+//! The nodes of a zone: those where bonds will break next, around the tips and ahead of them.
 //!
-//! A tip is where bonds are close to their limits. Its crack goes on away from what has broken behind it,
-//! so that the zone of a tip is what is strained now, the families of what is close to its limit, and a strip
-//! along that way. Where nothing has broken nearby, it is a disc.
+//! A tip is a cluster of bonds close to their limits. Its crack goes on away from the bonds broken behind it, so that
+//! the zone of a tip holds the strained nodes, the families of bonds close to their limits, and a strip along that
+//! direction. Where nothing has broken nearby, it is a disc.
 
 use super::event::Load;
+use super::policy::{
+    APART, BACK, FAMILY, HALF_WIDTH, LARGEST_ZONE, NO_DIRECTION, STRAINED, TIP, WAKE,
+};
 use super::problem::Problem;
 use super::solutions::Solutions;
 use rayon::prelude::*;
 
-/// Nodes with a bond at this share of its limit belong to a zone.
-const STRAINED: f64 = 0.65;
-
-/// Bonds at this share of their limits make a tip.
-const TIP: f64 = 0.85;
-
-/// Half the width of a strip, how far it goes back behind the tip, how far apart two tips are, and how far
-/// back the way of a crack is read, in horizons.
-const HALF_WIDTH: f64 = 1.25;
-const BACK: f64 = 2.0;
-const APART: f64 = 2.0;
-const WAKE: f64 = 4.0;
-
-/// Nodes as near as this to a bond that makes a tip belong to a zone [horizons]: tips that turn or stand apart
-/// from others leave the strips, and a bond whose nodes' families are not seen ends a zone before its first event.
-const FAMILY: f64 = 1.0;
-/// So many times as large as asked may a zone be for the sake of families: where much is strained at once, all
-/// of it would be.
-const MOST: usize = 2;
-
-/// A tip's place [m], and the unit vector along which its crack goes on.
+/// A tip of a crack.
 struct Tip {
+    /// Middle of its bonds [m].
     place: [f64; 2],
-    way: Option<[f64; 2]>,
+    /// Unit vector along which its crack goes on; `None` where nothing has broken nearby.
+    direction: Option<[f64; 2]>,
 }
 
-/// `count` nodes, or up to [`MOST`] times as many, ascending. `load` breaks the next bond.
-pub fn nodes(
+/// `count` nodes, or up to [`LARGEST_ZONE`] times as many, ascending. `load` breaks the next bond.
+pub fn zone_nodes(
     problem: &Problem,
     integrity: &[f64],
     solutions: &Solutions,
@@ -56,15 +41,15 @@ pub fn nodes(
     let length = |&(s, _): &(usize, f64)| model.springs.length(s, &model.positions);
     let horizon = strained.iter().map(length).fold(0.0, f64::max);
     let tips = tips(problem, integrity, &strained, horizon);
-    // How far along a strip of the half-width a node stands; a disc fills as fast. What lies beside a strip
-    // is taken when that comes to its end.
+    // Nodes are taken by their distance along the strips; a disc fills as fast. Nodes beside a strip come after
+    // its end.
     let beside = 1e6 * horizon;
     let mut key = vec![f64::INFINITY; model.node_count()];
     let half_width = HALF_WIDTH * horizon;
     for (key, x) in key.iter_mut().zip(&model.positions) {
         for tip in &tips {
             let r = [x[0] - tip.place[0], x[1] - tip.place[1]];
-            let own = match tip.way {
+            let own = match tip.direction {
                 Some([a, b]) => {
                     let (along, aside) = (a * r[0] + b * r[1], a * r[1] - b * r[0]);
                     let inside = aside.abs() < half_width && along > -BACK * horizon;
@@ -95,7 +80,7 @@ pub fn nodes(
         *key = -2.0;
         needed += 1;
     }
-    let count = count.max((needed + needed / 2).min(MOST * count));
+    let count = count.max((needed + needed / 2).min(LARGEST_ZONE * count));
     let mut nodes: Vec<usize> = (0..key.len()).filter(|&k| key[k] < f64::INFINITY).collect();
     let by_key = |a: &usize, b: &usize| key[*a].total_cmp(&key[*b]).then(a.cmp(b));
     if count < nodes.len() {
@@ -147,10 +132,10 @@ fn tips(problem: &Problem, integrity: &[f64], strained: &[(usize, f64)], horizon
     all.map(|(place, wake)| {
         let from = mean(&wake);
         let length = distance(place, from);
-        // False where there is no wake.
-        let has_way = length > 0.1 * horizon;
-        let way = has_way.then(|| [0, 1].map(|k| (place[k] - from[k]) / length));
-        Tip { place, way }
+        // False where nothing has broken nearby.
+        let has_direction = length > NO_DIRECTION * horizon;
+        let direction = has_direction.then(|| [0, 1].map(|k| (place[k] - from[k]) / length));
+        Tip { place, direction }
     })
     .collect()
 }

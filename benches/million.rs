@@ -58,7 +58,7 @@ fn main() {
     println!(
         "{}, {} bonds, {} entries of L, residual {:.1e}",
         solution.size.backend.describe(),
-        model.springs.len(),
+        model.interactions.len(),
         solution.size.factor_entries,
         solution.residual
     );

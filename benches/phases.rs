@@ -150,7 +150,7 @@ fn cantilever(machine: &Machine) {
         memory,
         Some(flops / machine.flops),
     );
-    system(&model.positions, &model.springs, &elements, machine);
+    system(&model.positions, &model.interactions, &elements, machine);
 }
 
 fn square(side: usize, machine: &Machine) {
@@ -184,33 +184,33 @@ fn square(side: usize, machine: &Machine) {
         let visibility = Visibility::new(&outline, spacing, micromodulus.reach());
         bonds(&found, &micromodulus, 1.0, 0, &visibility)
     };
-    let (springs, memory) = gained(all);
+    let (interactions, memory) = gained(all);
     let time = median(|| {
         all();
     });
-    let floor = 16.0 * springs.len() as f64 / machine.bytes;
+    let floor = 16.0 * interactions.len() as f64 / machine.bytes;
     row("families and bonds", time, memory, Some(floor));
-    system(&found.positions, &springs, &[], machine);
+    system(&found.positions, &interactions, &[], machine);
 }
 
 fn system(
     positions: &[[f64; 2]],
-    springs: &Interactions,
+    interactions: &Interactions,
     elements: &[ElementStiffness],
     machine: &Machine,
 ) {
     let nodes = positions.len();
-    let (pattern, memory) = gained(|| Pattern::new(nodes, springs, elements));
+    let (pattern, memory) = gained(|| Pattern::new(nodes, interactions, elements));
     let entries = pattern.stored_entries() as f64;
     let time = median(|| {
-        Pattern::new(nodes, springs, elements);
+        Pattern::new(nodes, interactions, elements);
     });
     row("pattern", time, memory, Some(4.0 * entries / machine.bytes));
-    let (stiffness, memory) = gained(|| pattern.assemble(positions, springs, elements));
+    let (stiffness, memory) = gained(|| pattern.assemble(positions, interactions, elements));
     let time = median(|| {
-        pattern.assemble(positions, springs, elements);
+        pattern.assemble(positions, interactions, elements);
     });
-    let floor = (8.0 * entries + 2.0 * 16.0 * springs.len() as f64) / machine.bytes;
+    let floor = (8.0 * entries + 2.0 * 16.0 * interactions.len() as f64) / machine.bytes;
     row("assembly (all threads)", time, memory, Some(floor));
     let held = hold_first_nodes(&stiffness);
     for ordering in [Ordering::Metis, Ordering::Amd] {

@@ -277,9 +277,9 @@ fn lattice(side: usize) -> (Pattern, LowerMatrix) {
         reach,
         spacing,
     );
-    let springs = bonds(&points, &micromodulus, 1.0, 0, &Visibility::unlimited());
-    let pattern = Pattern::new(positions.len(), &springs, &[]);
-    let stiffness = pattern.assemble(positions, &springs, &[]);
+    let interactions = bonds(&points, &micromodulus, 1.0, 0, &Visibility::unlimited());
+    let pattern = Pattern::new(positions.len(), &interactions, &[]);
+    let stiffness = pattern.assemble(positions, &interactions, &[]);
     let held: Vec<bool> = (0..2 * positions.len()).map(|dof| dof < 2 * side).collect();
     let matrix = stiffness.hold(&held, stiffness.mean_diagonal());
     (pattern, matrix)

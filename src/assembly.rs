@@ -34,30 +34,39 @@ pub struct ElementStiffness {
 pub struct Pattern {
     /// Neighbours of each node, ascending, itself left out.
     pub graph: Arc<Lists>,
-    /// Springs between two nodes, at the lower one.
+    /// Interactions between two nodes, at the lower one.
     pairs_at: Lists,
-    /// All other springs, at each of their nodes.
+    /// All other interactions, at each of their nodes.
     others_at: Lists,
     elements_at: Lists,
     symbolic: Arc<SymbolicSparseColMat<u32>>,
 }
 
 impl Pattern {
-    /// Springs without stiffness (bonds of exactly δ under a kernel that fades to zero) take no place.
-    pub fn new(nodes: usize, springs: &Interactions, elements: &[ElementStiffness]) -> Pattern {
+    /// Interactions without stiffness (bonds of exactly δ under a kernel that fades to zero) take no place.
+    pub fn new(
+        nodes: usize,
+        interactions: &Interactions,
+        elements: &[ElementStiffness],
+    ) -> Pattern {
         let pairs = || {
-            let all = (0u32..).zip(springs.pairs());
-            let stiff = all.filter(|&(s, _)| springs.stiffness[s as usize] != 0.0);
+            let all = (0u32..).zip(interactions.pairs());
+            let stiff = all.filter(|&(s, _)| interactions.stiffness[s as usize] != 0.0);
             stiff.map(|(s, &[a, b])| (s, a.min(b), a.max(b)))
         };
         let pairs_at = Lists::collect(nodes, || pairs().map(|(s, lower, _)| (lower, s)));
         let lower_ends = Lists::collect(nodes, || pairs().map(|(_, lower, upper)| (upper, lower)));
         let others = || {
-            let others = springs.clipped_bonds();
-            others.filter(|&s| springs.stiffness[s] != 0.0)
+            let others = interactions.clipped_bonds();
+            others.filter(|&s| interactions.stiffness[s] != 0.0)
         };
         let others_at = Lists::collect(nodes, || {
-            others().flat_map(|s| springs.nodes(s).iter().map(move |&node| (node, s as u32)))
+            others().flat_map(|s| {
+                interactions
+                    .nodes(s)
+                    .iter()
+                    .map(move |&node| (node, s as u32))
+            })
         });
         let elements_at = Lists::collect(nodes, || {
             let numbered = elements.iter().enumerate();
@@ -66,12 +75,12 @@ impl Pattern {
         let graph = Lists::gather(nodes, |node, neighbours| {
             neighbours.extend(lower_ends.of(node));
             let upper_ends = pairs_at.of(node).iter().map(|&s| {
-                let [a, b] = springs.pairs()[s as usize];
+                let [a, b] = interactions.pairs()[s as usize];
                 a.max(b)
             });
             neighbours.extend(upper_ends);
             for &s in others_at.of(node) {
-                neighbours.extend(springs.nodes(s as usize));
+                neighbours.extend(interactions.nodes(s as usize));
             }
             for &e in elements_at.of(node) {
                 neighbours.extend(&elements[e as usize].nodes);
@@ -109,22 +118,22 @@ impl Pattern {
     pub fn assemble(
         &self,
         positions: &[[f64; 2]],
-        springs: &Interactions,
+        interactions: &Interactions,
         elements: &[ElementStiffness],
     ) -> LowerMatrix {
-        self.assemble_with(positions, springs, |_| 1.0, elements)
+        self.assemble_with(positions, interactions, |_| 1.0, elements)
     }
 
     /// The same with the `integrity` φ of every interaction [-].
     pub fn assemble_with(
         &self,
         positions: &[[f64; 2]],
-        springs: &Interactions,
+        interactions: &Interactions,
         integrity: impl Fn(usize) -> f64 + Sync,
         elements: &[ElementStiffness],
     ) -> LowerMatrix {
         let mut values = vec![0.0; self.stored_entries()];
-        let all = (springs, positions, elements);
+        let all = (interactions, positions, elements);
         let parts = self.parts_mut(&mut values).into_par_iter();
         let beyond: Vec<(usize, Vec<[f64; 3]>)> = parts
             .map(|(nodes, values)| {
@@ -145,13 +154,13 @@ impl Pattern {
     }
 
     /// Brings the columns of some nodes up to the `integrity` φ of now: the same bits as
-    /// [`Pattern::assemble_with`], if no other spring has changed than those that end at these nodes alone.
+    /// [`Pattern::assemble_with`], if no other interaction has changed than those that end at these nodes alone.
     pub fn reassemble(
         &self,
         matrix: &mut LowerMatrix,
         nodes: &[u32],
         positions: &[[f64; 2]],
-        springs: &Interactions,
+        interactions: &Interactions,
         integrity: impl Fn(usize) -> f64 + Sync,
         elements: &[ElementStiffness],
     ) {
@@ -170,10 +179,10 @@ impl Pattern {
                 let bounds = part_bound(part, self.nodes())..part_bound(part + 1, self.nodes());
                 for other in lower.filter(|other| *other < node && bounds.contains(other)) {
                     for &s in self.pairs_at.of(other) {
-                        let pair = springs.pairs()[s as usize];
+                        let pair = interactions.pairs()[s as usize];
                         let phi = integrity(s as usize);
                         if phi > 0.0 && pair.contains(&(node as u32)) {
-                            let stiffness = phi * springs.stiffness[s as usize];
+                            let stiffness = phi * interactions.stiffness[s as usize];
                             let block = pair_block(pair, stiffness, positions);
                             add_to(sum, block);
                         }
@@ -181,7 +190,7 @@ impl Pattern {
                 }
             };
             from_part(part, &mut diagonal);
-            let all = (springs, positions, elements);
+            let all = (interactions, positions, elements);
             self.gather(&mut column, all, &integrity, |_, block| {
                 add_to(&mut diagonal, block);
             });
@@ -194,12 +203,12 @@ impl Pattern {
         }
     }
 
-    /// What is gathered at one node; `diagonal` gets what each spring between two nodes adds to those of
+    /// What is gathered at one node; `diagonal` gets what each interaction between two nodes adds to those of
     /// both, with the higher one.
     fn gather(
         &self,
         column: &mut Column,
-        (springs, positions, elements): (&Interactions, &[[f64; 2]], &[ElementStiffness]),
+        (interactions, positions, elements): (&Interactions, &[[f64; 2]], &[ElementStiffness]),
         integrity: &impl Fn(usize) -> f64,
         mut diagonal: impl FnMut(u32, [f64; 3]),
     ) {
@@ -209,19 +218,19 @@ impl Pattern {
             (phi > 0.0).then_some((s as usize, phi))
         };
         for (s, phi) in self.pairs_at.of(node).iter().filter_map(carries) {
-            let stiffness = phi * springs.stiffness[s];
-            let (other, block) = column.add_pair(springs.pairs()[s], stiffness, positions);
+            let stiffness = phi * interactions.stiffness[s];
+            let (other, block) = column.add_pair(interactions.pairs()[s], stiffness, positions);
             diagonal(other, block);
         }
         for (s, phi) in self.others_at.of(node).iter().filter_map(carries) {
-            column.add_spring(springs, s, phi, positions);
+            column.add_interaction(interactions, s, phi, positions);
         }
         for &e in self.elements_at.of(node) {
             column.add_element(&elements[e as usize]);
         }
     }
 
-    /// The columns of some nodes, springs between two nodes being read once, at the lower one. Returns
+    /// The columns of some nodes, interactions between two nodes being read once, at the lower one. Returns
     /// what they add to the diagonals of the nodes behind: xx, xy, yy.
     fn assemble_part(
         &self,
@@ -323,11 +332,11 @@ mod tests {
     #[test]
     fn gathered_matrix_equals_the_sum_of_dense_contributions() {
         let positions = [[0.0, 0.0], [1.0, 0.2], [0.3, 1.0], [1.2, 1.1]];
-        let mut springs = Interactions::of_bonds(
+        let mut interactions = Interactions::of_bonds(
             vec![[0, 1], [2, 1], [3, 0], [1, 3]],
             vec![2.0, 3.0, 5.0, 0.0],
         );
-        springs.push_clipped_bond(
+        interactions.push_clipped_bond(
             [[0.1, 0.1], [0.9, 0.4]],
             [&[(0, 0.7), (3, 0.3)], &[(2, 0.6), (3, 0.4)]],
             7.0,
@@ -338,13 +347,13 @@ mod tests {
             matrix,
         }];
         let mut dense = DMatrix::<f64>::zeros(8, 8);
-        for s in 0..springs.len() {
+        for s in 0..interactions.len() {
             let mut w = DVector::<f64>::zeros(8);
-            springs.for_each_term(s, &positions, |node, [x, y]| {
+            interactions.for_each_term(s, &positions, |node, [x, y]| {
                 w[2 * node as usize] += x;
                 w[2 * node as usize + 1] += y;
             });
-            dense += springs.stiffness[s] * &w * w.transpose();
+            dense += interactions.stiffness[s] * &w * w.transpose();
         }
         for (a, &p) in elements[0].nodes.iter().enumerate() {
             for (b, &q) in elements[0].nodes.iter().enumerate() {
@@ -354,12 +363,12 @@ mod tests {
                 }
             }
         }
-        let pattern = Pattern::new(4, &springs, &elements);
-        let sparse = pattern.assemble(&positions, &springs, &elements);
+        let pattern = Pattern::new(4, &interactions, &elements);
+        let sparse = pattern.assemble(&positions, &interactions, &elements);
         assert_eq!(
             pattern.graph.of(1),
             [0, 2],
-            "the spring without stiffness takes no place"
+            "the interaction without stiffness takes no place"
         );
         for j in 0..8 {
             for i in j..8 {

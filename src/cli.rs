@@ -442,7 +442,7 @@ fn check(plan: &Plan, backend: Option<Backend>) -> Result<(), RunError> {
     );
     println!("  material points   {}", model.areas.len());
     let (ties, what) = model.ties();
-    println!("  bonds             {}", model.springs.bonds().len());
+    println!("  bonds             {}", model.interactions.bonds().len());
     println!("  {what:<18}{ties}");
     for interface in &model.interfaces {
         println!(

@@ -110,10 +110,14 @@ fn stress_tensor(strain: &Vector3<f64>, material: &Material, plane: PlaneState) 
     [stress[0], stress[1], zz, stress[2]]
 }
 
-/// Stretch of every spring [-].
+/// Stretch of every interaction [-].
 pub fn stretches(model: &Model, displacement: &[[f64; 2]]) -> Vec<f64> {
-    let stretch = |s| model.springs.stretch(s, &model.positions, displacement);
-    (0..model.springs.len())
+    let stretch = |s| {
+        model
+            .interactions
+            .stretch(s, &model.positions, displacement)
+    };
+    (0..model.interactions.len())
         .into_par_iter()
         .map(stretch)
         .collect()

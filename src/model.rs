@@ -145,7 +145,7 @@ pub struct Model {
     /// For every region the one that leads its lattice.
     leader: Vec<usize>,
     pub points: Vec<PointRegion>,
-    pub springs: Interactions,
+    pub interactions: Interactions,
     /// What clipped bonds are of the points' families.
     pub clipped: Vec<FamilyShare>,
     /// ξ of the bond that each clipped bond is a part of [m].
@@ -228,7 +228,7 @@ impl Model {
             elements: Vec::new(),
             areas: Vec::new(),
             points: Vec::new(),
-            springs: Interactions::default(),
+            interactions: Interactions::default(),
             clipped: Vec::new(),
             clipped_from: Vec::new(),
             clipped_regions: Vec::new(),
@@ -247,7 +247,7 @@ impl Model {
             Coupling::Clip => {}
         }
         model.mix_materials();
-        model.integrity = vec![1.0; model.springs.len()];
+        model.integrity = vec![1.0; model.interactions.len()];
         Ok(model)
     }
 
@@ -257,9 +257,9 @@ impl Model {
             return self;
         }
         let positions = &self.positions;
-        let springs = (0..self.springs.len()).into_par_iter();
-        let integrity = springs.map(|s| {
-            let [a, b] = self.springs.segment(s, positions);
+        let interactions = (0..self.interactions.len()).into_par_iter();
+        let integrity = interactions.map(|s| {
+            let [a, b] = self.interactions.segment(s, positions);
             if cracks.sever(a, b) { 0.0 } else { 1.0 }
         });
         self.integrity = integrity.collect();
@@ -338,20 +338,25 @@ impl Model {
         self.region_of.get(point).map(|&region| region as usize)
     }
 
-    /// How many springs tie finite elements to material points, and what they are called.
+    /// How many interactions tie finite elements to material points, and what they are called.
     pub fn ties(&self) -> (usize, &'static str) {
         let what = match self.settings.coupling {
             Coupling::Truss(_) => "trusses",
             Coupling::Clip => "clipped bonds",
         };
-        (self.springs.len() - self.springs.bonds().len(), what)
+        (
+            self.interactions.len() - self.interactions.bonds().len(),
+            what,
+        )
     }
 
-    /// t, the part of a bond's length that a spring is [-]; 1 but for clipped bonds.
-    pub fn length_share(&self, spring: usize) -> f64 {
-        let clipped = spring.checked_sub(self.springs.clipped_bonds().start);
+    /// t, the part of a bond's length that an interaction is [-]; 1 but for clipped bonds.
+    pub fn length_share(&self, interaction: usize) -> f64 {
+        let clipped = interaction.checked_sub(self.interactions.clipped_bonds().start);
         let bond = clipped.and_then(|index| self.clipped_from.get(index));
-        bond.map_or(1.0, |xi| self.springs.length(spring, &self.positions) / xi)
+        bond.map_or(1.0, |xi| {
+            self.interactions.length(interaction, &self.positions) / xi
+        })
     }
 
     /// # Panics

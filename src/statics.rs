@@ -55,14 +55,14 @@ pub enum StaticsError {
     #[error(transparent)]
     Solver(#[from] SolverError),
     #[error(
-        "{what} at ({x:.6e}, {y:.6e}) m is not held in every direction: {springs} bonds or trusses \
+        "{what} at ({x:.6e}, {y:.6e}) m is not held in every direction: {interactions} bonds or trusses \
          with stiffness end there"
     )]
     Mechanism {
         what: &'static str,
         x: f64,
         y: f64,
-        springs: usize,
+        interactions: usize,
     },
     #[error(
         "what hangs on {what} at ({x:.6e}, {y:.6e}) m swings freely under its load: the residual \
@@ -164,7 +164,7 @@ impl<'a> Solver<'a> {
         let structure = Structure::new(model, backend, phases)?;
         Estimate::of(&structure, boundary, 0).fits(machine_memory())?;
         Ok(Solver {
-            diagonal: structure.mean_diagonal(&model.springs, boundary.load.len()),
+            diagonal: structure.mean_diagonal(&model.interactions, boundary.load.len()),
             model,
             boundary,
             structure,
@@ -265,19 +265,21 @@ impl<'a> Solver<'a> {
         phases: &mut Phases,
     ) -> Result<bool, StaticsError> {
         let Model {
-            springs, positions, ..
+            interactions,
+            positions,
+            ..
         } = self.model;
         if !self.model.node_axes.is_empty() {
             // Columns are assembled anew in the axes of space.
             return Ok(false);
         }
         let Factorised { system, factor, .. } = factorised;
-        let of_spring = |&spring: &u32| springs.nodes(spring as usize);
-        let mut around: BTreeSet<u32> = changed.iter().flat_map(of_spring).copied().collect();
+        let of_interaction = |&interaction: &u32| interactions.nodes(interaction as usize);
+        let mut around: BTreeSet<u32> = changed.iter().flat_map(of_interaction).copied().collect();
         let nodes: Vec<u32> = around.iter().copied().collect();
         phases.measure("assembly", || {
             let stiffness = &mut system.stiffness;
-            (self.structure).reassemble(stiffness, &nodes, (positions, springs), integrity);
+            (self.structure).reassemble(stiffness, &nodes, (positions, interactions), integrity);
         });
         let is_free = |node: &usize| [0, 1].iter().any(|axis| !system.is_held[2 * node + axis]);
         let new: Vec<usize> = pinned.iter().flatten().copied().filter(is_free).collect();
@@ -419,18 +421,19 @@ impl<'a> Solver<'a> {
             what: kind(self.model, node),
             x,
             y,
-            springs: self.springs_at(node),
+            interactions: self.interactions_at(node),
         }
     }
 }
 
 impl Solver<'_> {
-    /// How many springs with stiffness act on a node.
-    fn springs_at(&self, node: usize) -> usize {
-        let springs = &self.model.springs;
-        let acts =
-            |&s: &usize| springs.stiffness[s] != 0.0 && springs.nodes(s).contains(&(node as u32));
-        (0..springs.len()).filter(acts).count()
+    /// How many interactions with stiffness act on a node.
+    fn interactions_at(&self, node: usize) -> usize {
+        let interactions = &self.model.interactions;
+        let acts = |&s: &usize| {
+            interactions.stiffness[s] != 0.0 && interactions.nodes(s).contains(&(node as u32))
+        };
+        (0..interactions.len()).filter(acts).count()
     }
 }
 

@@ -71,7 +71,7 @@ const FREE: f64 = 1e-12;
 /// # Errors
 /// The first part that can still move.
 pub fn check(model: &Model, boundary: &Boundary) -> Result<(), NotHeld> {
-    let uncracked = vec![1.0; model.springs.len()];
+    let uncracked = vec![1.0; model.interactions.len()];
     let parts = connected_parts(model, &uncracked);
     let whole = parts.len() == 1;
     for nodes in &parts {
@@ -150,8 +150,8 @@ fn connected_parts(model: &Model, integrity: &[f64]) -> Vec<Vec<usize>> {
         parent[a.max(b) as usize] = a.min(b);
     };
     for (s, &phi) in integrity.iter().enumerate() {
-        if phi > 0.0 && model.springs.stiffness[s] != 0.0 {
-            let nodes = model.springs.nodes(s);
+        if phi > 0.0 && model.interactions.stiffness[s] != 0.0 {
+            let nodes = model.interactions.nodes(s);
             nodes.windows(2).for_each(|pair| join(pair[0], pair[1]));
         }
     }

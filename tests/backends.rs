@@ -132,7 +132,7 @@ fn nodes_with_axes_of_their_own() {
     assert_same_solution("rollers", &model, &boundary);
 }
 
-/// All springs across a line broken: the upper part floats. Both find a pivot of rounding size there; held where it
+/// All interactions across a line broken: the upper part floats. Both find a pivot of rounding size there; held where it
 /// is, the rest is solved.
 #[test]
 fn a_singular_matrix_is_refused() {
@@ -141,12 +141,12 @@ fn a_singular_matrix_is_refused() {
     let bottom = boundary.displace(&model, "bottom", [Some(0.0), Some(1e-6)]);
     bottom.expect("a grip");
     let is_upper = |node: u32| model.positions[node as usize][1] > 0.07;
-    let is_one_sided = |spring: usize| {
-        let nodes = model.springs.nodes(spring);
+    let is_one_sided = |interaction: usize| {
+        let nodes = model.interactions.nodes(interaction);
         nodes.iter().all(|&n| is_upper(n)) || !nodes.iter().any(|&n| is_upper(n))
     };
-    let integrity: Vec<f64> = (0..model.springs.len())
-        .map(|spring| f64::from(u8::from(is_one_sided(spring))))
+    let integrity: Vec<f64> = (0..model.interactions.len())
+        .map(|interaction| f64::from(u8::from(is_one_sided(interaction))))
         .collect();
     let upper: Vec<usize> = (0..model.node_count())
         .filter(|&n| is_upper(n as u32))
@@ -175,7 +175,7 @@ fn the_same_bonds_break() {
         compressive: Some(20e6),
     };
     let law = Brittle::new(strength, steel().young, &model.points[0].micromodulus);
-    let laws = BondLaws::brittle(vec![law.limits], vec![0; model.springs.len()]);
+    let laws = BondLaws::brittle(vec![law.limits], vec![0; model.interactions.len()]);
     let programme = Programme::proportional(grips(&model));
     for (control, steps, least) in [
         (Control::OnePass, 40, 500),

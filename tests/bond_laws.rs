@@ -87,7 +87,7 @@ fn run(model: &Model, control: Control, resolution: Resolution, steps: usize) ->
     let problem = Problem {
         model,
         programme: &programme,
-        laws: &BondLaws::new(laws, vec![0; model.springs.len()]),
+        laws: &BondLaws::new(laws, vec![0; model.interactions.len()]),
         control,
         until: Until {
             steps,

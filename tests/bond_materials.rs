@@ -56,7 +56,7 @@ fn two_regions_of_one_material_are_one_region() {
     let one = build(mesh, vec![both], PlaneState::Stress);
     assert_eq!(two.positions, one.positions);
     assert_eq!(two.areas, one.areas);
-    assert_eq!(two.springs, one.springs);
+    assert_eq!(two.interactions, one.interactions);
     assert_eq!(two.points.len(), 1);
     for (node, [x, _]) in two.positions.iter().enumerate() {
         assert_eq!(two.region_of_point(node), Some(usize::from(*x > 0.1)));
@@ -69,8 +69,8 @@ fn a_bond_between_two_materials_has_the_harmonic_mean() {
     let (soft, stiff) = (steel().young, 5.0 * steel().young);
     let (uniform, mixed) = (two([soft; 2]), two([soft, stiff]));
     let mut across = 0;
-    for bond in mixed.springs.bonds() {
-        let [a, b] = mixed.springs.segment(bond, &mixed.positions);
+    for bond in mixed.interactions.bonds() {
+        let [a, b] = mixed.interactions.segment(bond, &mixed.positions);
         let factor = match [a[0] > 0.1, b[0] > 0.1] {
             [false, false] => 1.0,
             [true, true] => 5.0,
@@ -79,8 +79,8 @@ fn a_bond_between_two_materials_has_the_harmonic_mean() {
                 2.0 * 5.0 / 6.0
             }
         };
-        let found = mixed.springs.stiffness[bond];
-        let expected = factor * uniform.springs.stiffness[bond];
+        let found = mixed.interactions.stiffness[bond];
+        let expected = factor * uniform.interactions.stiffness[bond];
         // A product and a quotient.
         assert!((found - expected).abs() <= 1e-15 * expected, "bond {bond}");
     }

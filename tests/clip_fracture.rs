@@ -102,13 +102,13 @@ impl Plate {
         let law = Brittle::new(strength, steel().young, &model.points[0].micromodulus);
         // As the pipeline has it: what clipping leaves between two sides of elements never breaks, and a
         // part of a bond takes the energy of the whole.
-        let of_spring = |s: usize| match model.regions_of_spring(s) {
+        let of_interaction = |s: usize| match model.regions_of_interaction(s) {
             Some(_) => law.part(model.length_share(s)).limits,
             None => StretchLimits::NONE,
         };
         let laws = BondLaws::brittle(
-            (0..model.springs.len()).map(of_spring).collect(),
-            (0..model.springs.len() as u32).collect(),
+            (0..model.interactions.len()).map(of_interaction).collect(),
+            (0..model.interactions.len() as u32).collect(),
         );
         Plate {
             model,
@@ -139,12 +139,12 @@ impl Plate {
         (ending.expect("no error"), state, records)
     }
 
-    /// Ends of the broken springs in units of dx/10000, and those of their mirror images above and below,
+    /// Ends of the broken interactions in units of dx/10000, and those of their mirror images above and below,
     /// each sorted. The offset keeps positions away from where rounding decides.
     fn broken(&self, state: &State) -> [Vec<[[i64; 2]; 2]>; 2] {
-        let (springs, positions) = (&self.model.springs, &self.model.positions);
+        let (interactions, positions) = (&self.model.interactions, &self.model.positions);
         let key = |s: usize, mirrored: bool| {
-            let mut ends = springs.segment(s, positions).map(|[x, y]| {
+            let mut ends = interactions.segment(s, positions).map(|[x, y]| {
                 let y = if mirrored { 0.1 - y } else { y };
                 [x, y].map(|c| (1e4 * c / DX + 0.137).round() as i64)
             });
@@ -152,7 +152,7 @@ impl Plate {
             ends
         };
         [false, true].map(|mirrored| {
-            let broken = (0..springs.len()).filter(|&s| state.integrity[s] == 0.0);
+            let broken = (0..interactions.len()).filter(|&s| state.integrity[s] == 0.0);
             let mut keys: Vec<_> = broken.map(|s| key(s, mirrored)).collect();
             keys.sort_unstable();
             keys
@@ -167,44 +167,49 @@ impl Plate {
         beside.map(|(_, damage)| damage).fold(0.0, f64::max)
     }
 
-    /// Springs that meet a segment, by the two parameters of the point where the lines cross.
+    /// Interactions that meet a segment, by the two parameters of the point where the lines cross.
     fn crossing(&self, [p, q]: Crack) -> usize {
         let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
         let from_to = |a: [f64; 2], b: [f64; 2]| [b[0] - a[0], b[1] - a[1]];
         let meets = |&s: &usize| {
-            let [a, b] = self.model.springs.segment(s, &self.model.positions);
+            let [a, b] = self.model.interactions.segment(s, &self.model.positions);
             let (own, other, between) = (from_to(a, b), from_to(p, q), from_to(a, p));
             let area = cross(own, other);
             let parameters = [cross(between, other) / area, cross(between, own) / area];
             area != 0.0 && parameters.iter().all(|t| (0.0..=1.0).contains(t))
         };
-        (0..self.model.springs.len()).filter(meets).count()
+        (0..self.model.interactions.len()).filter(meets).count()
     }
 
     fn severed(&self) -> impl Iterator<Item = usize> {
-        (0..self.model.springs.len()).filter(|&s| self.model.integrity[s] == 0.0)
+        (0..self.model.interactions.len()).filter(|&s| self.model.integrity[s] == 0.0)
     }
 
     /// Σ k ξ of what a crack severs [N]; the forces across it under a stretch of one are its components.
     fn severed_force(&self) -> f64 {
         let Model {
-            springs, positions, ..
+            interactions,
+            positions,
+            ..
         } = &self.model;
-        let force = |s: usize| springs.stiffness[s] * springs.length(s, positions);
+        let force = |s: usize| interactions.stiffness[s] * interactions.length(s, positions);
         self.severed().map(force).sum()
     }
 
     /// Σ ½ k ξ² / (c0 M3 h_t) of what a crack severs [m], as `crack_length_m` is.
     fn crack_length(&self) -> f64 {
         let Model {
-            springs, positions, ..
+            interactions,
+            positions,
+            ..
         } = &self.model;
         let micromodulus = &self.model.points[0].micromodulus;
         let rate = micromodulus.c0 * micromodulus.third_moment() * THICKNESS;
         // A part of a clipped bond takes the energy of the whole.
-        let whole =
-            |s: usize| springs.length(s, positions).powi(2) / self.model.length_share(s).min(1.0);
-        let energy = |s: usize| 0.5 * springs.stiffness[s] * whole(s);
+        let whole = |s: usize| {
+            interactions.length(s, positions).powi(2) / self.model.length_share(s).min(1.0)
+        };
+        let energy = |s: usize| 0.5 * interactions.stiffness[s] * whole(s);
         self.severed().map(energy).sum::<f64>() / rate
     }
 }
@@ -253,14 +258,14 @@ fn level_crack(y: f64) -> Crack {
 
 /// A crack in the elements severs nothing, though bonds of the continued lattice would cross it. Of an endless
 /// lattice's bonds it severs all, in force and in energy, but between the interface and the first row of points:
-/// (dx from the interface, springs, of them clipped, force, length).
+/// (dx from the interface, interactions, of them clipped, force, length).
 #[test]
 fn a_crack_beside_the_interface_severs_by_the_segments() {
     for y in [INTERFACE - 0.01 * DX, INTERFACE - DX] {
         assert_eq!(Plate::new(&[level_crack(y)]).severed().count(), 0, "{y}");
     }
     let nine_tenths = 0.991_12;
-    for (rows, springs, clipped, force, length) in [
+    for (rows, interactions, clipped, force, length) in [
         // Sites beside their points and the points themselves are not in one row, and it passes between them.
         (0.4, 302, 302, nine_tenths, 0.9938),
         (1.0, 322, 102, 1.0, 1.0013),
@@ -270,10 +275,10 @@ fn a_crack_beside_the_interface_severs_by_the_segments() {
     ] {
         let crack = level_crack(INTERFACE + rows * DX);
         let plate = Plate::new(&[crack]);
-        let pairs = plate.model.springs.pairs().len();
+        let pairs = plate.model.interactions.pairs().len();
         let found = plate.severed().count();
         assert_eq!(found, plate.crossing(crack), "{rows}");
-        assert_eq!(found, springs, "{rows}");
+        assert_eq!(found, interactions, "{rows}");
         assert_eq!(
             plate.severed().filter(|&s| s >= pairs).count(),
             clipped,

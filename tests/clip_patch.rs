@@ -207,8 +207,8 @@ const QUADRATIC: [Field; 3] = [
 
 fn dense(model: &Model) -> DMatrix<f64> {
     let elements = model.element_stiffness();
-    let pattern = Pattern::new(model.node_count(), &model.springs, &elements);
-    let lower = pattern.assemble(&model.positions, &model.springs, &elements);
+    let pattern = Pattern::new(model.node_count(), &model.interactions, &elements);
+    let lower = pattern.assemble(&model.positions, &model.interactions, &elements);
     let n = lower.ncols();
     let mut k = DMatrix::zeros(n, n);
     for j in 0..n {
@@ -387,7 +387,7 @@ fn rigid_motions_and_nothing_else_are_free() {
     }
 }
 
-/// Every spring pulls its two ends with opposite forces along itself: whatever the field, the reactions
+/// Every interaction pulls its two ends with opposite forces along itself: whatever the field, the reactions
 /// have no resultant and no moment.
 #[test]
 fn reactions_balance() {

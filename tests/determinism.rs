@@ -92,7 +92,7 @@ fn bits_in_a_pool_of(threads: usize, model: fn() -> Model) -> Bits {
         let bits = |v: &[[f64; 2]]| v.iter().flatten().map(|x| x.to_bits()).collect();
         Bits {
             bonds: model
-                .springs
+                .interactions
                 .stiffness
                 .iter()
                 .map(|k| k.to_bits())
@@ -135,7 +135,7 @@ fn solves_at_the_same_time_do_not_disturb_each_other() {
     let model = hybrid(cantilever());
     let pattern = Pattern::new(
         model.node_count(),
-        &model.springs,
+        &model.interactions,
         &model.element_stiffness(),
     );
     let order = || elimination_order(Ordering::Metis, &pattern.graph);

@@ -68,10 +68,10 @@ fn plate(lines: &[[[f64; 2]; 2]]) -> (Model, BondLaws) {
         compressive: Some(20e6),
     };
     let law = Brittle::new(strength, steel().young, &model.points[0].micromodulus);
-    let class = |spring| u32::from(model.springs.bonds().contains(&spring));
+    let class = |interaction| u32::from(model.interactions.bonds().contains(&interaction));
     let laws = BondLaws::brittle(
         vec![StretchLimits::NONE, law.limits],
-        (0..model.springs.len()).map(class).collect(),
+        (0..model.interactions.len()).map(class).collect(),
     );
     (model, laws)
 }

@@ -159,24 +159,24 @@ fn laws(model: &Model) -> BondLaws {
     };
     let young = steel().young;
     let micromodulus = &model.points[0].micromodulus;
-    let class = |spring| u32::from(model.springs.bonds().contains(&spring));
+    let class = |interaction| u32::from(model.interactions.bonds().contains(&interaction));
     BondLaws::brittle(
         vec![
             StretchLimits::NONE,
             Brittle::new(strength, young, micromodulus).limits,
         ],
-        (0..model.springs.len()).map(class).collect(),
+        (0..model.interactions.len()).map(class).collect(),
     )
 }
 
-fn stretch(model: &Model, spring: usize, displacement: &[[f64; 2]]) -> f64 {
+fn stretch(model: &Model, interaction: usize, displacement: &[[f64; 2]]) -> f64 {
     model
-        .springs
-        .stretch(spring, &model.positions, displacement)
+        .interactions
+        .stretch(interaction, &model.positions, displacement)
 }
 
-fn length(model: &Model, spring: usize) -> f64 {
-    model.springs.length(spring, &model.positions)
+fn length(model: &Model, interaction: usize) -> f64 {
+    model.interactions.length(interaction, &model.positions)
 }
 
 #[test]
@@ -190,12 +190,22 @@ fn damage_of_the_row_beside_a_straight_crack() {
     assert_eq!(format!("{found:.4}"), "0.4167");
     // Without the four of exactly δ, where the kernel is zero: 19 of 44.
     let horizon = model.points[0].micromodulus.horizon;
-    let has = |spring: &usize| model.springs.nodes(*spring).contains(&(beside as u32));
-    let shorter = |spring: &usize| length(&model, *spring) < (1.0 - 1e-9) * horizon;
-    let family: Vec<usize> = model.springs.bonds().filter(has).filter(shorter).collect();
+    let has = |interaction: &usize| {
+        model
+            .interactions
+            .nodes(*interaction)
+            .contains(&(beside as u32))
+    };
+    let shorter = |interaction: &usize| length(&model, *interaction) < (1.0 - 1e-9) * horizon;
+    let family: Vec<usize> = model
+        .interactions
+        .bonds()
+        .filter(has)
+        .filter(shorter)
+        .collect();
     let broken = family
         .iter()
-        .filter(|&&spring| model.integrity[spring] == 0.0)
+        .filter(|&&interaction| model.integrity[interaction] == 0.0)
         .count();
     assert_eq!([broken, family.len()], [19, 44]);
     assert_eq!(
@@ -269,7 +279,7 @@ fn break_exceeded(model: &Model, laws: &BondLaws, state: &mut State) -> usize {
         resolution: Resolution::Fast,
     };
     let is_over = |&s: &usize| laws.first_limits(s).is_exceeded(state.stretch(model, s));
-    let intact = (0..model.springs.len()).filter(|&s| state.integrity[s] > 0.0);
+    let intact = (0..model.interactions.len()).filter(|&s| state.integrity[s] > 0.0);
     let exceeded: Vec<usize> = intact.filter(is_over).collect();
     state.change(&problem, None, &exceeded).len()
 }
@@ -296,14 +306,14 @@ fn both_branches_break_exactly_what_is_over_its_limit() {
         let mut state = free_state(&model);
         state.displacement = strained(&model, strain);
         let broken = break_exceeded(&model, &laws, &mut state);
-        let over = |&spring: &usize| {
-            let s = stretch(&model, spring, &state.displacement);
+        let over = |&interaction: &usize| {
+            let s = stretch(&model, interaction, &state.displacement);
             s > tension || s < -compression
         };
-        let expected: Vec<usize> = (0..model.springs.len()).filter(over).collect();
-        let gone = |&spring: &usize| state.integrity[spring] == 0.0;
+        let expected: Vec<usize> = (0..model.interactions.len()).filter(over).collect();
+        let gone = |&interaction: &usize| state.integrity[interaction] == 0.0;
         assert!(
-            (0..model.springs.len())
+            (0..model.interactions.len())
                 .filter(gone)
                 .eq(expected.iter().copied()),
             "{share}"
@@ -321,7 +331,7 @@ fn without_a_compressive_strength_compression_breaks_nothing() {
         tension: STRENGTH[0] / steel().young,
         compression: f64::INFINITY,
     };
-    let laws = BondLaws::brittle(vec![limits], vec![0; model.springs.len()]);
+    let laws = BondLaws::brittle(vec![limits], vec![0; model.interactions.len()]);
     let mut state = free_state(&model);
     state.displacement = strained(&model, [-1.0, -1.0]);
     assert_eq!(break_exceeded(&model, &laws, &mut state), 0);
@@ -418,11 +428,12 @@ fn in_equilibrium_no_bond_is_over_its_limit() {
     assert_eq!(ending, Ending::Separated);
     assert!(steps.iter().any(|step| step.record.passes > 2));
     for Step { state, record } in &steps {
-        for spring in (0..plate.model.springs.len()).filter(|&spring| state.integrity[spring] > 0.0)
+        for interaction in (0..plate.model.interactions.len())
+            .filter(|&interaction| state.integrity[interaction] > 0.0)
         {
-            let s = stretch(&plate.model, spring, &state.displacement);
+            let s = stretch(&plate.model, interaction, &state.displacement);
             assert!(
-                !plate.laws.first_limits(spring).is_exceeded(s),
+                !plate.laws.first_limits(interaction).is_exceeded(s),
                 "step {}",
                 state.step
             );
@@ -491,7 +502,7 @@ fn steps_are_limited_and_a_run_goes_on_from_its_state() {
 #[test]
 fn nothing_left_to_break() {
     let mut plate = Plate::notched();
-    let class = vec![0; plate.model.springs.len()];
+    let class = vec![0; plate.model.interactions.len()];
     plate.laws = BondLaws::brittle(vec![StretchLimits::NONE], class);
     let (ending, steps) = plate.run(&mut plate.start(), Control::EventDriven, 1000);
     assert_eq!((ending, steps.len()), (Ending::NothingLeftToBreak, 0));
@@ -558,10 +569,10 @@ fn a_chunk_on_a_hinge_does_not_stop_the_run() {
     let hinge = nearest(&model.positions, [4.5 * DX, 0.05 + 0.5 * DX]) as u32;
     let mut state = plate.start();
     let mut joined = 0;
-    for (spring, ends) in model.springs.pairs().iter().enumerate() {
+    for (interaction, ends) in model.interactions.pairs().iter().enumerate() {
         if chunk.contains(&ends[0]) != chunk.contains(&ends[1]) {
             let is_joined = ends.contains(&hinge);
-            state.integrity[spring] = if is_joined { 1.0 } else { 0.0 };
+            state.integrity[interaction] = if is_joined { 1.0 } else { 0.0 };
             joined += usize::from(is_joined);
         }
     }
@@ -626,8 +637,8 @@ loading: {{ control: one-pass, steps: 10 }}
         let (model, _) = validate::discretise(&plan, mesh.clone()).expect("a model");
         let laws = validate::laws(&plan, &model);
         let mut counts = [0, 0];
-        for (spring, ends) in model.springs.pairs().iter().enumerate() {
-            let is_truss = model.springs.trusses().contains(&spring);
+        for (interaction, ends) in model.interactions.pairs().iter().enumerate() {
+            let is_truss = model.interactions.trusses().contains(&interaction);
             let is_point = |node: u32| node as usize >= model.fe_node_count();
             let held = |node: u32| is_point(node) && model.positions[node as usize][0] < 0.05;
             let expected = if ends.iter().any(|&node| held(node)) || (is_truss && !trusses_break) {
@@ -638,7 +649,7 @@ loading: {{ control: one-pass, steps: 10 }}
                     compression: f64::INFINITY,
                 }
             };
-            assert_eq!(laws.first_limits(spring), expected);
+            assert_eq!(laws.first_limits(interaction), expected);
             counts[usize::from(is_truss)] += usize::from(expected.tension.is_finite());
         }
         assert!(counts[0] > 0);

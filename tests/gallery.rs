@@ -117,9 +117,9 @@ impl Run {
         let model = self.model();
         let last = format!("frames/{:06}.bin", self.history().len());
         let frame: Frame = Frame::from_file(&self.read(&last)).expect("a frame");
-        let springs = model.springs.pairs().iter();
+        let interactions = model.interactions.pairs().iter();
         let state = model.integrity.iter().zip(frame.integrity.to_vec());
-        let broken = springs.zip(state).filter(|(_, (was, is))| **was > *is);
+        let broken = interactions.zip(state).filter(|(_, (was, is))| **was > *is);
         let ends = broken.map(|(ends, _)| ends.map(|node| model.positions[node as usize]));
         let bonds: Vec<[[f64; 2]; 2]> = ends.collect();
         let length = |[a, b]: [[f64; 2]; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);

@@ -46,8 +46,8 @@ fn model(middle: f64, side: usize) -> Model {
 /// K with the nodes near x = 0 held.
 fn system(model: &Model) -> (Pattern, LowerMatrix) {
     let elements = model.element_stiffness();
-    let pattern = Pattern::new(model.node_count(), &model.springs, &elements);
-    let stiffness = pattern.assemble(&model.positions, &model.springs, &elements);
+    let pattern = Pattern::new(model.node_count(), &model.interactions, &elements);
+    let stiffness = pattern.assemble(&model.positions, &model.interactions, &elements);
     let held: Vec<bool> = (0..2 * model.node_count())
         .map(|dof| model.positions[dof / 2][0] < 0.03)
         .collect();
@@ -154,7 +154,7 @@ fn what_is_not_positive_definite_is_named() {
     let model = model(0.0, 60);
     let (pattern, matrix) = system(&model);
     let symbolic = symbolic(&pattern, Ordering::Metis);
-    let free = pattern.assemble(&model.positions, &model.springs, &[]);
+    let free = pattern.assemble(&model.positions, &model.interactions, &[]);
     let error = symbolic.factorise(&free).expect_err("three free motions");
     assert!(
         matches!(error, SolverError::NotPositiveDefinite { .. }),

@@ -219,7 +219,7 @@ impl Case {
         }
     }
 
-    fn springs(&self, k: &mut DMatrix<f64>) {
+    fn interactions(&self, k: &mut DMatrix<f64>) {
         let [columns, rows] = self.counts();
         let place = |n: usize| (n % columns, n / columns);
         let [iso_a, iso_b] = self.isotropy();
@@ -280,7 +280,7 @@ impl Case {
     fn expected(&self) -> f64 {
         let [columns, rows] = self.counts();
         let mut k = DMatrix::zeros(2 * columns * rows, 2 * columns * rows);
-        self.springs(&mut k);
+        self.interactions(&mut k);
         if self.hybrid.is_some() {
             self.elements(&mut k);
         }

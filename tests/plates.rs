@@ -106,9 +106,9 @@ impl Plate {
             let x = mirror(self.model.positions[node as usize]);
             x.map(|x| (1e6 * x).round() as i64)
         };
-        let springs = self.model.springs.pairs().iter();
-        let springs = springs.zip(frame.integrity.to_vec());
-        let broken = springs.filter(|(_, phi)| *phi == 0.0);
+        let interactions = self.model.interactions.pairs().iter();
+        let interactions = interactions.zip(frame.integrity.to_vec());
+        let broken = interactions.filter(|(_, phi)| *phi == 0.0);
         let ends = broken.map(|(&[a, b], _)| {
             let (a, b) = (end(a), end(b));
             [a.min(b), a.max(b)]
@@ -241,7 +241,7 @@ fn one_crack_under_clip() {
     plate.assert_symmetric(left_right, "left and right");
     plate.assert_symmetric(up_down, "up and down");
     plate.assert_no_damage_beside_the_interfaces();
-    let pairs = plate.model.springs.pairs().len();
+    let pairs = plate.model.interactions.pairs().len();
     let last = &plate.frames[plate.last()];
     let integrity = last.integrity.to_vec();
     assert!(integrity.len() > pairs && integrity[pairs..].iter().all(|phi| *phi == 1.0));

@@ -59,7 +59,7 @@ fn a_uniform_stress_is_the_same_on_both_sides_of_the_interface() {
                 assert!((found - expected).abs() < 1e-11 * xx, "{plane:?}");
             }
         }
-        let broken = vec![0.0; model.springs.len()];
+        let broken = vec![0.0; model.interactions.len()];
         let none = PointFields::new(&model, &u, &broken);
         assert!(none.stress.iter().flatten().all(|s| *s == 0.0));
     }

@@ -62,10 +62,10 @@ fn plate() -> (Model, BondLaws) {
         compressive: Some(20e6),
     };
     let law = Brittle::new(strength, steel().young, &model.points[0].micromodulus);
-    let class = |spring| u32::from(model.springs.bonds().contains(&spring));
+    let class = |interaction| u32::from(model.interactions.bonds().contains(&interaction));
     let laws = BondLaws::brittle(
         vec![StretchLimits::NONE, law.limits],
-        (0..model.springs.len()).map(class).collect(),
+        (0..model.interactions.len()).map(class).collect(),
     );
     (model, laws)
 }
@@ -131,7 +131,7 @@ fn run(
     let observe = |state: &State, record: Record, response: &Response| {
         let state = state.settled(&problem, response).into_owned();
         let integrity = list.last().map_or(&model.integrity, |s| &s.state.integrity);
-        let before = (0..model.springs.len()).filter(|&s| integrity[s] > 0.0);
+        let before = (0..model.interactions.len()).filter(|&s| integrity[s] > 0.0);
         let utilisation = before.map(|s| laws.first_limits(s).utilisation(state.stretch(model, s)));
         let utilisation = utilisation.fold(0.0, f64::max);
         list.push(Step {
@@ -306,9 +306,9 @@ fn under_a_dead_load_the_loaded_part_comes_off_or_swings() {
     }
     let is_above = |node: u32| model.positions[node as usize][1] > 0.05;
     let mut state = State::new(&model, &programme);
-    for (spring, ends) in model.springs.pairs().iter().enumerate() {
+    for (interaction, ends) in model.interactions.pairs().iter().enumerate() {
         if is_above(ends[0]) != is_above(ends[1]) {
-            state.integrity[spring] = 0.0;
+            state.integrity[interaction] = 0.0;
         }
     }
     let problem = Problem {
@@ -350,10 +350,10 @@ fn a_loaded_part_on_a_hinge_ends_the_run() {
     let hinge = nearest(&model.positions, [0.08, 0.05 + 0.5 * DX]) as u32;
     let mut state = State::new(&model, &programme);
     let is_above = |node: u32| node != hinge && model.positions[node as usize][1] > 0.05;
-    for (spring, ends) in model.springs.pairs().iter().enumerate() {
+    for (interaction, ends) in model.interactions.pairs().iter().enumerate() {
         let crosses = is_above(ends[0]) != is_above(ends[1]);
         if crosses && !ends.contains(&hinge) {
-            state.integrity[spring] = 0.0;
+            state.integrity[interaction] = 0.0;
         }
     }
     let observe = |_: &State, _: Record, _: &Response| Ok::<(), StaticsError>(());

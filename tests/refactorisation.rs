@@ -63,11 +63,11 @@ impl Body {
     fn tear(&mut self, from: f64, to: f64) -> Vec<u32> {
         let model = &self.model;
         let crosses = |&bond: &usize| {
-            let [a, b] = model.springs.segment(bond, &model.positions);
+            let [a, b] = model.interactions.segment(bond, &model.positions);
             let x = 0.5 * (a[0] + b[0]);
             (a[1] - 0.5) * (b[1] - 0.5) < 0.0 && x > from && x < to
         };
-        let bonds: Vec<usize> = model.springs.bonds().filter(crosses).collect();
+        let bonds: Vec<usize> = model.interactions.bonds().filter(crosses).collect();
         assert!(bonds.len() > 20);
         self.lose(&bonds)
     }
@@ -76,7 +76,7 @@ impl Body {
         bonds.iter().for_each(|&bond| self.integrity[bond] = 0.0);
         let nodes = bonds
             .iter()
-            .flat_map(|&bond| self.model.springs.nodes(bond));
+            .flat_map(|&bond| self.model.interactions.nodes(bond));
         let nodes: BTreeSet<u32> = nodes.copied().collect();
         nodes.into_iter().collect()
     }
@@ -92,11 +92,13 @@ fn load(n: usize) -> Vec<f64> {
 fn cholesky_has_the_bits_of_a_whole_factorisation() {
     let mut body = Body::new(model(true));
     let Model {
-        springs, positions, ..
+        interactions,
+        positions,
+        ..
     } = &body.model;
-    let (springs, positions) = (springs.clone(), positions.clone());
+    let (interactions, positions) = (interactions.clone(), positions.clone());
     let elements = body.model.element_stiffness();
-    let pattern = Pattern::new(positions.len(), &springs, &elements);
+    let pattern = Pattern::new(positions.len(), &interactions, &elements);
     let symbolic = || {
         cholesky::Symbolic::new(pattern.symbolic(), &pattern.graph, Ordering::Metis)
             .expect("an order")
@@ -113,15 +115,22 @@ fn cholesky_has_the_bits_of_a_whole_factorisation() {
         body.integrity = body.model.integrity.clone();
         body.held = Body::new(model(true)).held;
         let integrity = body.integrity.clone();
-        let mut k = pattern.assemble_with(&positions, &springs, |s| integrity[s], &elements);
+        let mut k = pattern.assemble_with(&positions, &interactions, |s| integrity[s], &elements);
         let factor = own.factorise_held(&k, body.held(), &likely);
         let mut factor = factor.expect("it is held");
         for step in 0..10 {
             let x = 1.0 - 0.05 * step as f64;
             let mut nodes = body.tear(x - 0.05, x);
             let integrity = |s: usize| body.integrity[s];
-            pattern.reassemble(&mut k, &nodes, &positions, &springs, integrity, &elements);
-            let whole = pattern.assemble_with(&positions, &springs, integrity, &elements);
+            pattern.reassemble(
+                &mut k,
+                &nodes,
+                &positions,
+                &interactions,
+                integrity,
+                &elements,
+            );
+            let whole = pattern.assemble_with(&positions, &interactions, integrity, &elements);
             assert_eq!(k.val(), whole.val(), "step {step}");
             if step == 5 {
                 let node = nodes[nodes.len() / 2];
@@ -141,11 +150,18 @@ fn cholesky_has_the_bits_of_a_whole_factorisation() {
         }
         // All bonds but one of a point at the rim.
         let last = positions.len() - 1;
-        let ends_there = |&bond: &usize| springs.nodes(bond).contains(&(last as u32));
-        let bonds: Vec<usize> = body.model.springs.bonds().filter(ends_there).collect();
+        let ends_there = |&bond: &usize| interactions.nodes(bond).contains(&(last as u32));
+        let bonds: Vec<usize> = body.model.interactions.bonds().filter(ends_there).collect();
         let nodes = body.lose(&bonds[1..]);
         let integrity = |s: usize| body.integrity[s];
-        pattern.reassemble(&mut k, &nodes, &positions, &springs, integrity, &elements);
+        pattern.reassemble(
+            &mut k,
+            &nodes,
+            &positions,
+            &interactions,
+            integrity,
+            &elements,
+        );
         let dof = |error: SolverError| match error {
             SolverError::NotPositiveDefinite { dof } => dof,
             error => panic!("{error}"),

@@ -203,7 +203,7 @@ fn material_points() {
 fn bonds_and_trusses() {
     let found = part("bonds");
     let solved = solved();
-    let stiffness = &solved.0.springs.stiffness;
+    let stiffness = &solved.0.interactions.stiffness;
     let stiff = |range: Range<usize>| range.filter(|&s| stiffness[s] != 0.0).count();
     let trusses = stiff(BONDS..BONDS + TRUSSES);
     assert_cells(&found, 3, "line", stiff(0..BONDS) + trusses);

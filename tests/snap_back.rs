@@ -102,9 +102,9 @@ impl Run {
         let (model, _) = discretise(&plan, mesh.expect("a mesh")).expect("a model");
         let last = format!("frames/{:06}.bin", self.history.len());
         let frame: Frame = Frame::from_file(&read(&last)).expect("a frame");
-        let springs = model.springs.pairs().iter();
+        let interactions = model.interactions.pairs().iter();
         let state = model.integrity.iter().zip(frame.integrity.to_vec());
-        let broken = springs.zip(state).filter(|(_, (was, is))| **was > *is);
+        let broken = interactions.zip(state).filter(|(_, (was, is))| **was > *is);
         broken
             .map(|(ends, _)| ends.map(|node| model.positions[node as usize]))
             .collect()

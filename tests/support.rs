@@ -188,8 +188,8 @@ fn bonds_along_the_axes_only_are_a_mechanism() {
 fn dangling(direction: [f64; 2]) -> Model {
     let mut model = lattice(4.0, Kernel::Quartic);
     let centre = model.positions[44];
-    let pairs = model.springs.pairs().to_vec();
-    for (ends, k) in pairs.iter().zip(&mut model.springs.stiffness) {
+    let pairs = model.interactions.pairs().to_vec();
+    for (ends, k) in pairs.iter().zip(&mut model.interactions.stiffness) {
         if ends.contains(&44) {
             let other = ends[usize::from(ends[0] == 44)];
             let x = model.positions[other as usize];
@@ -223,12 +223,15 @@ fn a_point_on_collinear_bonds_is_a_mechanism_wherever_the_load_is() {
                 &boundary,
                 &format!("{direction:?}, load at {loaded}"),
             );
-            if let StaticsError::Mechanism { x, y, springs, .. } = error {
+            if let StaticsError::Mechanism {
+                x, y, interactions, ..
+            } = error
+            {
                 assert!(
                     (x - 0.45).abs() < 1e-9 && (y - 0.45).abs() < 1e-9,
                     "({x}, {y})"
                 );
-                assert!((2..=6).contains(&springs), "{springs}");
+                assert!((2..=6).contains(&interactions), "{interactions}");
             }
         }
     }

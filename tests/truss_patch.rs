@@ -156,13 +156,13 @@ fn areas_by_half_edges_sum_to_the_interface_times_the_spacing() {
         let model = Model::build(mesh, regions, settings).expect("a sound model");
         let micromodulus = &model.points[0].micromodulus;
         let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
-        for truss in model.springs.trusses() {
-            let [a, b] = model.springs.segment(truss, &model.positions);
+        for truss in model.interactions.trusses() {
+            let [a, b] = model.interactions.segment(truss, &model.positions);
             let along = [b[0] - a[0], b[1] - a[1]];
             let unit = micromodulus.axial_stiffness(along, [1.0, DX * DX], 0.7);
             if unit > 0.0 {
-                let area = model.springs.stiffness[truss] / unit;
-                areas.insert(model.springs.nodes(truss)[0], area);
+                let area = model.interactions.stiffness[truss] / unit;
+                areas.insert(model.interactions.nodes(truss)[0], area);
             }
         }
         let sum: f64 = areas.values().sum();

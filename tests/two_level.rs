@@ -204,7 +204,7 @@ fn a_solution_is_its_own_guess() {
     assert!(difference(&third.displacement, &first.displacement) < 1e-9);
 }
 
-/// All springs across a line broken: the upper part floats, which the coarse level finds. Held where it
+/// All interactions across a line broken: the upper part floats, which the coarse level finds. Held where it
 /// is, all is well.
 #[test]
 fn a_part_that_floats_is_found() {
@@ -213,9 +213,9 @@ fn a_part_that_floats_is_found() {
     let bottom = boundary.displace(&model, "bottom", [Some(0.0), Some(1e-6)]);
     bottom.expect("a grip");
     let is_upper = |node: u32| model.positions[node as usize][1] > 0.07;
-    let integrity: Vec<f64> = (0..model.springs.len())
+    let integrity: Vec<f64> = (0..model.interactions.len())
         .map(|s| {
-            let nodes = model.springs.nodes(s);
+            let nodes = model.interactions.nodes(s);
             let upper = nodes.iter().filter(|&&n| is_upper(n)).count();
             if upper == 0 || upper == nodes.len() {
                 1.0
@@ -273,7 +273,7 @@ fn assert_same_sequence(model: &Model, boundary: Boundary) {
         compressive: Some(20e6),
     };
     let law = Brittle::new(strength, steel().young, &model.points[0].micromodulus);
-    let laws = BondLaws::brittle(vec![law.limits], vec![0; model.springs.len()]);
+    let laws = BondLaws::brittle(vec![law.limits], vec![0; model.interactions.len()]);
     let programme = Programme::proportional(boundary);
     for control in [Control::OnePass, Control::EventDriven] {
         let (steps, least) = match control {

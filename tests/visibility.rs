@@ -275,7 +275,7 @@ fn a_slit_of_no_width_parts_the_body() {
     assert_eq!(upper, 28);
 }
 
-/// A notch narrower than δ beside an interface: no spring with stiffness goes across, whatever ties the two
+/// A notch narrower than δ beside an interface: no interaction with stiffness goes across, whatever ties the two
 /// sides, and the points' damage does not count what was never there.
 #[test]
 fn no_coupling_reaches_across_a_notch() {
@@ -312,10 +312,13 @@ fn no_coupling_reaches_across_a_notch() {
             };
             let model = Model::build(mesh, regions, whole).expect("a sound model");
             let mut beside = 0;
-            for spring in 0..model.springs.len() {
-                let [a, b] = model.springs.segment(spring, &model.positions);
+            for interaction in 0..model.interactions.len() {
+                let [a, b] = model.interactions.segment(interaction, &model.positions);
                 let [from, to] = if a[0] < b[0] { [a, b] } else { [b, a] };
-                if model.springs.stiffness[spring] == 0.0 || from[0] > middle || to[0] < middle {
+                if model.interactions.stiffness[interaction] == 0.0
+                    || from[0] > middle
+                    || to[0] < middle
+                {
                     continue;
                 }
                 let y = from[1] + (middle - from[0]) / (to[0] - from[0]) * (to[1] - from[1]);

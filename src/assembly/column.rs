@@ -64,7 +64,7 @@ impl<'a> Column<'a> {
         }
     }
 
-    /// k n⊗n, eqs. (19) and (20), of a spring to a higher node, off the diagonal; returns that node, and
+    /// k n⊗n, eqs. (19) and (20), of an interaction to a higher node, off the diagonal; returns that node, and
     /// what the diagonals of both get.
     pub fn add_pair(
         &mut self,
@@ -91,21 +91,21 @@ impl<'a> Column<'a> {
     }
 
     /// K = φ k w wᵀ.
-    pub fn add_spring(
+    pub fn add_interaction(
         &mut self,
-        springs: &Interactions,
-        spring: usize,
+        interactions: &Interactions,
+        interaction: usize,
         integrity: f64,
         positions: &[[f64; 2]],
     ) {
         let mut own = [0.0; 2];
-        springs.for_each_term(spring, positions, |node, w| {
+        interactions.for_each_term(interaction, positions, |node, w| {
             if node == self.node {
                 own = w;
             }
         });
-        let stiffness = integrity * springs.stiffness[spring];
-        springs.for_each_term(spring, positions, |node, w| {
+        let stiffness = integrity * interactions.stiffness[interaction];
+        interactions.for_each_term(interaction, positions, |node, w| {
             self.add_block(
                 node,
                 w.map(|row| own.map(|column| stiffness * row * column)),

@@ -1,7 +1,7 @@
 //! The clip coupling: bonds that end in the finite elements where they cross the interface.
 //!
 //! After Shapeev (2012). The lattice goes on beyond the interface in thought. Of every bond that meets
-//! the peridynamic region, each part AB inside it is a spring of its own; with t = |AB|/ξ
+//! the peridynamic region, each part AB inside it is an interaction of its own; with t = |AB|/ξ
 //!
 //! ```text
 //! E = Σ (k / 2t) [n·(u_B − u_A)]² + ½ ∫_FE ε:D:ε h_t dA
@@ -81,20 +81,20 @@ pub struct Region<'a> {
 /// What the coupling adds and what it takes away.
 #[derive(Clone, Debug, Default)]
 pub struct Clip {
-    pub springs: Interactions,
-    /// ξ of the bond that each spring is a part of [m].
+    pub interactions: Interactions,
+    /// ξ of the bond that each interaction is a part of [m].
     pub bond_lengths: Vec<f64>,
-    /// What the springs are of the points' families.
+    /// Members that the interactions are of the families of points.
     pub shares: Vec<FamilyShare>,
-    /// Bonds between two points that `springs` stand for, lower point first, ascending.
+    /// Bonds between two points that `interactions` stand for, lower point first, ascending.
     pub replaced: Vec<[u32; 2]>,
 }
 
-/// A spring that holds the place of a neighbour, or of a part of one, in a point's family.
+/// An interaction that holds the place of a neighbour, or of a part of one, in a point's family.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FamilyShare {
-    /// Number of the spring among the interpolated ones.
-    pub spring: u32,
+    /// Number of the interaction among the clipped bonds.
+    pub interaction: u32,
     /// The point's node.
     pub point: u32,
     /// What counts of the neighbour's area [m²].
@@ -115,15 +115,15 @@ pub fn clip(region: &Region) -> Clip {
     let mut all = Clip::default();
     for ([a, b], part) in families.into_iter().zip(parts) {
         let bond_length = region.index.spacing * f64::from(a).hypot(f64::from(b));
-        let springs = std::iter::repeat_n(bond_length, part.springs.len());
-        all.bond_lengths.extend(springs);
-        let before = all.springs.len() as u32;
+        let interactions = std::iter::repeat_n(bond_length, part.interactions.len());
+        all.bond_lengths.extend(interactions);
+        let before = all.interactions.len() as u32;
         all.shares
             .extend(part.shares.iter().map(|share| FamilyShare {
-                spring: before + share.spring,
+                interaction: before + share.interaction,
                 ..*share
             }));
-        all.springs.append(part.springs);
+        all.interactions.append(part.interactions);
         all.replaced.extend(part.replaced);
     }
     all.replaced.sort_unstable();

@@ -64,24 +64,28 @@ pub(super) fn correct(
     for (place, point) in joint_points.iter().enumerate() {
         place_of[point.node - first] = Some(place);
     }
-    for spring in model.springs.bonds().chain(model.springs.clipped_bonds()) {
-        let mut nodes = model.springs.nodes(spring).iter();
+    for interaction in model
+        .interactions
+        .bonds()
+        .chain(model.interactions.clipped_bonds())
+    {
+        let mut nodes = model.interactions.nodes(interaction).iter();
         let lattice = nodes.find_map(|&node| {
             let is_in = |points: &&&PointRegion| points.nodes.contains(&(node as usize));
             mixed.iter().find(is_in)
         });
-        let (Some(points), Some(young)) = (lattice, model.mean_young(spring)) else {
+        let (Some(points), Some(young)) = (lattice, model.mean_young(interaction)) else {
             continue;
         };
-        let (xi, [nx, ny]) = model.springs.axis(spring, &model.positions);
+        let (xi, [nx, ny]) = model.interactions.axis(interaction, &model.positions);
         let q = Vector3::new(nx * nx, ny * ny, nx * ny);
-        let weight = model.springs.stiffness[spring] * xi * xi;
-        let phi = integrity[spring];
+        let weight = model.interactions.stiffness[interaction] * xi * xi;
+        let phi = integrity[interaction];
         let stretch = match phi > 0.0 {
-            true => (model.springs).stretch(spring, &model.positions, displacement),
+            true => (model.interactions).stretch(interaction, &model.positions, displacement),
             false => 0.0,
         };
-        let segment = model.springs.segment(spring, &model.positions);
+        let segment = model.interactions.segment(interaction, &model.positions);
         for_each_square(points, segment, |node, share| {
             if let Some(place) = place_of[node - first] {
                 let point = &mut joint_points[place];
@@ -108,14 +112,14 @@ fn joint_points(model: &Model) -> Vec<JointPoint> {
     let first = model.fe_node_count();
     // Sum of the vectors to neighbours of another material, and of their lengths, by k.
     let mut sums = vec![([0.0; 2], 0.0); model.areas.len()];
-    for (bond, pair) in model.springs.bonds().zip(model.springs.pairs()) {
+    for (bond, pair) in model.interactions.bonds().zip(model.interactions.pairs()) {
         let ends = pair.map(|node| node as usize);
         let [a, b] = ends.map(|node| model.material_of_point(node).young);
         if a == b {
             continue;
         }
-        let (xi, n) = model.springs.axis(bond, &model.positions);
-        let weight = model.springs.stiffness[bond] * xi;
+        let (xi, n) = model.interactions.axis(bond, &model.positions);
+        let weight = model.interactions.stiffness[bond] * xi;
         for (node, sign) in ends.into_iter().zip([1.0, -1.0]) {
             let (vector, length) = &mut sums[node - first];
             (0..2).for_each(|axis| vector[axis] += sign * weight * n[axis]);

@@ -38,12 +38,12 @@ impl PointFields {
             interaction, point, ..
         } in model.families()
         {
-            let (xi, [nx, ny]) = model.springs.axis(interaction, &model.positions);
+            let (xi, [nx, ny]) = model.interactions.axis(interaction, &model.positions);
             let q = Vector3::new(nx * nx, ny * ny, nx * ny);
-            let weight = model.springs.stiffness[interaction] * xi * xi;
+            let weight = model.interactions.stiffness[interaction] * xi * xi;
             let phi = integrity[interaction];
             let stretch = match phi > 0.0 {
-                true => (model.springs).stretch(interaction, &model.positions, displacement),
+                true => (model.interactions).stretch(interaction, &model.positions, displacement),
                 false => 0.0,
             };
             family[point] += weight * q * q.transpose();

@@ -68,9 +68,9 @@ impl State {
         self.energy.elastic = elastic;
         for change in self.fresh_changes().to_vec() {
             let interaction = change.interaction as usize;
-            let length = model.springs.length(interaction, &model.positions);
+            let length = model.interactions.length(interaction, &model.positions);
             let after = length * response.stretch(problem, interaction, load);
-            let stiffness = model.springs.stiffness[interaction];
+            let stiffness = model.interactions.stiffness[interaction];
             self.energy.dissipated +=
                 released(change.integrity, stiffness, [change.elongation, after]);
         }
@@ -102,7 +102,7 @@ impl State {
             self.changes.push(Change {
                 interaction: interaction as u32,
                 integrity: [before, after],
-                elongation: model.springs.length(interaction, &model.positions) * stretch,
+                elongation: model.interactions.length(interaction, &model.positions) * stretch,
             });
         }
         self.fresh += interactions.len();

@@ -78,22 +78,22 @@ impl BondLaws {
             }
         }
         let class = |interaction: usize| {
-            let is_truss = model.springs.kind(interaction) == InteractionKind::Truss;
-            let mut nodes = model.springs.nodes(interaction).iter();
+            let is_truss = model.interactions.kind(interaction) == InteractionKind::Truss;
+            let mut nodes = model.interactions.nodes(interaction).iter();
             let is_unbreakable = nodes.any(|&node| breakable.unbreakable[node as usize]);
             if is_unbreakable || (is_truss && !breakable.trusses) {
                 return 0;
             }
-            let regions = model.regions_of_spring(interaction);
+            let regions = model.regions_of_interaction(interaction);
             regions.map_or(0, |[a, b]| match [class_of[a], class_of[b]] {
                 [first, second] if first == second => first as u32,
                 [first, second] => (own * (1 + first) + second) as u32,
             })
         };
-        let numbers = (0..model.springs.len()).into_par_iter();
+        let numbers = (0..model.interactions.len()).into_par_iter();
         let mut class: Vec<u32> = numbers.map(class).collect();
         let mut of_parts: BTreeMap<(u32, u64), u32> = BTreeMap::new();
-        for interaction in model.springs.clipped_bonds() {
+        for interaction in model.interactions.clipped_bonds() {
             let (t, whole) = (model.length_share(interaction), class[interaction]);
             if t < 1.0 && whole != 0 {
                 let part = of_parts.entry((whole, t.to_bits())).or_insert_with(|| {

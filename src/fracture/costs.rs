@@ -56,7 +56,12 @@ impl UpdateCosts {
     pub fn new(problem: &Problem, factorised: &Factorised, state: &State) -> UpdateCosts {
         let entries = factorised.entries as f64;
         // The next factorisation follows what will have changed until then: no less than what changed last.
-        let of_change = |change: &Change| problem.model.springs.nodes(change.interaction as usize);
+        let of_change = |change: &Change| {
+            problem
+                .model
+                .interactions
+                .nodes(change.interaction as usize)
+        };
         let nodes = state.fresh_changes().iter().flat_map(of_change);
         let nodes: Vec<u32> = nodes.copied().collect();
         let flops = match nodes.is_empty() {

@@ -8,22 +8,22 @@ use rayon::prelude::*;
 /// tension. Summed over the bonds that cross a cut this is the length of the cut.
 pub fn crack_lengths(model: &Model, laws: &BondLaws) -> Vec<f64> {
     let length = |interaction: usize| {
-        let regions = model.regions_of_spring(interaction);
+        let regions = model.regions_of_interaction(interaction);
         let points = regions.and_then(|[r, _]| model.points_of(r));
         let breaks = laws.first_limits(interaction).tension.is_finite();
         let Some(points) = points.filter(|_| breaks) else {
             return 0.0;
         };
-        let xi = model.springs.length(interaction, &model.positions);
+        let xi = model.interactions.length(interaction, &model.positions);
         // The critical stretch cancels.
-        let stiffness = model.springs.stiffness[interaction];
+        let stiffness = model.interactions.stiffness[interaction];
         // A part of a clipped bond takes the energy of the whole.
         let energy = 0.5 * stiffness * xi * xi / model.length_share(interaction).min(1.0);
         let c0 = model.material_factor(interaction) * points.micromodulus.c0;
         let rate = c0 * points.micromodulus.third_moment();
         energy / (rate * model.settings.thickness)
     };
-    (0..model.springs.len())
+    (0..model.interactions.len())
         .into_par_iter()
         .map(length)
         .collect()

@@ -6,7 +6,7 @@
 //! Q = g·r   (a resultant of reactions),   W = g·u   (the displacement that a load works along)
 //! ```
 //!
-//! When a spring of stiffness k and elongation e = w·u leaves, K' = K − k w wᵀ, both change by
+//! When an interaction with the elongation e = w·u loses the stiffness k, K' = K − k w wᵀ, both change by
 //! k (w·u') (w·v): for W, v is the response to the forces g; for Q, the response to the prescribed
 //! displacements −g (Betti).
 

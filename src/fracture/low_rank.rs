@@ -46,7 +46,7 @@ impl Loss {
         let [before, after] = change.integrity;
         Loss {
             interaction,
-            stiffness: (before - after) * problem.model.springs.stiffness[interaction],
+            stiffness: (before - after) * problem.model.interactions.stiffness[interaction],
         }
     }
 

@@ -312,11 +312,11 @@ impl Predictor<'_> {
     /// must be a solution.
     fn is_sound(&self, run: &ZoneRun, ends: [&Solutions; 2], count: usize) -> bool {
         let mut is_outside: Vec<bool> = self.integrity.iter().map(|&phi| phi > 0.0).collect();
-        for &spring in &run.zone.interactions {
-            is_outside[spring] = false;
+        for &interaction in &run.zone.interactions {
+            is_outside[interaction] = false;
         }
         let all = (0..is_outside.len()).into_par_iter();
-        let outside = all.filter(|&spring| is_outside[spring]);
+        let outside = all.filter(|&interaction| is_outside[interaction]);
         // False for what is not a number.
         let is_exact = ends[1].residual() <= DRIFT;
         is_exact

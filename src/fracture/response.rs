@@ -182,11 +182,11 @@ impl Response {
         }
     }
 
-    /// Stretch of a spring, broken in this event or the last one [-].
-    pub fn stretch(&self, problem: &Problem, spring: usize, load: Load) -> f64 {
+    /// Stretch of an interaction, broken in this event or the last one [-].
+    pub fn stretch(&self, problem: &Problem, interaction: usize, load: Load) -> f64 {
         let ahead = self.predicted().filter(|&(_, next)| next > 0);
-        let foreseen = ahead.and_then(|(ahead, next)| ahead.stretches(next, spring));
-        load.combine(foreseen.unwrap_or_else(|| self.solved.stretches(problem, spring)))
+        let foreseen = ahead.and_then(|(ahead, next)| ahead.stretches(next, interaction));
+        load.combine(foreseen.unwrap_or_else(|| self.solved.stretches(problem, interaction)))
     }
 
     /// The load at which the next bond breaks.
@@ -266,8 +266,8 @@ fn intact<'a>(
     problem: &Problem,
     state: &'a State,
 ) -> impl ParallelIterator<Item = usize> + use<'a> {
-    let springs = (0..problem.model.springs.len()).into_par_iter();
-    springs
+    let interactions = (0..problem.model.interactions.len()).into_par_iter();
+    interactions
         .with_min_len(4096)
         .filter(|&s| state.integrity[s] > 0.0)
 }

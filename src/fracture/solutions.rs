@@ -26,22 +26,24 @@ impl Solutions {
         (combine(|s| &s.displacement), combine(|s| &s.reaction))
     }
 
-    /// Stretches of a spring under what is held, and per unit of λ.
-    pub fn stretches(&self, problem: &Problem, spring: usize) -> [f64; 2] {
-        let stretch = |u: &Solution| problem.model.stretch(spring, &u.displacement);
+    /// Stretches of an interaction under what is held, and per unit of λ.
+    pub fn stretches(&self, problem: &Problem, interaction: usize) -> [f64; 2] {
+        let stretch = |u: &Solution| problem.model.stretch(interaction, &u.displacement);
         [self.held.as_ref().map_or(0.0, stretch), stretch(&self.unit)]
     }
 
     /// The same but for rounding, in a fifth of the time.
-    pub fn rough_stretches(&self, problem: &Problem, spring: usize) -> [f64; 2] {
+    pub fn rough_stretches(&self, problem: &Problem, interaction: usize) -> [f64; 2] {
         let Model {
-            springs, positions, ..
+            interactions,
+            positions,
+            ..
         } = problem.model;
-        let Some(pair) = springs.pair(spring) else {
-            return self.stretches(problem, spring);
+        let Some(pair) = interactions.pair(interaction) else {
+            return self.stretches(problem, interaction);
         };
-        if problem.model.has_turned_end(spring) {
-            return self.stretches(problem, spring);
+        if problem.model.has_turned_end(interaction) {
+            return self.stretches(problem, interaction);
         }
         let [a, b] = pair.map(|node| node as usize);
         let [x, y] = [0, 1].map(|k| positions[b][k] - positions[a][k]);

@@ -189,13 +189,13 @@ impl State {
     }
 
     /// Stretch of an interaction [-].
-    pub fn stretch(&self, model: &Model, spring: usize) -> f64 {
-        model.stretch(spring, &self.displacement)
+    pub fn stretch(&self, model: &Model, interaction: usize) -> f64 {
+        model.stretch(interaction, &self.displacement)
     }
 
     /// The interaction nearest to a limit, and its stretch over that [-].
     pub fn most_strained(&self, model: &Model, laws: &BondLaws) -> Option<(usize, f64)> {
-        let intact = (0..model.springs.len()).filter(|&s| self.integrity[s] > 0.0);
+        let intact = (0..model.interactions.len()).filter(|&s| self.integrity[s] > 0.0);
         let utilised = intact.map(|s| {
             let limits = laws.limits(s, self.integrity[s]);
             (s, limits.utilisation(self.stretch(model, s)))

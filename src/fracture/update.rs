@@ -82,7 +82,7 @@ impl Update {
         let mut pins = self.pins(state);
         let model = problem.model;
         let changes = &state.changes[self.known..];
-        let of_change = |change: &Change| model.springs.nodes(change.interaction as usize);
+        let of_change = |change: &Change| model.interactions.nodes(change.interaction as usize);
         let dofs = changes.iter().flat_map(of_change).flat_map(dofs_of);
         let new = self.change.activate(dofs.chain(pins.iter().copied()));
         if !self.costs.add(self.change.active(), new) {
@@ -118,7 +118,9 @@ impl Update {
         if self.change.new_dofs().is_empty() {
             return;
         }
-        let nodes = near.iter().flat_map(|&s| problem.model.springs.nodes(s));
+        let nodes = near
+            .iter()
+            .flat_map(|&s| problem.model.interactions.nodes(s));
         for node in nodes {
             if self.change.new_dofs().len() >= DOFS_AT_A_TIME {
                 return;

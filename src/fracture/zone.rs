@@ -62,19 +62,19 @@ impl Zone {
         // Those that never change need no watching.
         let breaks = |s: usize| problem.laws.limits(s, integrity[s]) != StretchLimits::NONE;
         let touching = |test: &(dyn Fn(&u32) -> bool + Sync)| -> Vec<usize> {
-            let all = (0..model.springs.len()).into_par_iter();
+            let all = (0..model.interactions.len()).into_par_iter();
             all.filter(|&s| {
-                integrity[s] > 0.0 && breaks(s) && model.springs.nodes(s).iter().any(test)
+                integrity[s] > 0.0 && breaks(s) && model.interactions.nodes(s).iter().any(test)
             })
             .collect()
         };
         let is_in = |&node: &u32| places[node as usize] != Place::Outside;
-        let (inside, across): (Vec<usize>, Vec<usize>) =
-            (touching(&is_in).into_iter()).partition(|&s| model.springs.nodes(s).iter().all(is_in));
+        let (inside, across): (Vec<usize>, Vec<usize>) = (touching(&is_in).into_iter())
+            .partition(|&s| model.interactions.nodes(s).iter().all(is_in));
         // How many interactions of a node stay in the zone, and how many do not.
         let mut counts = vec![[0usize; 2]; model.node_count()];
         for (list, which) in [(&inside, 0), (&across, 1)] {
-            for &node in list.iter().flat_map(|&s| model.springs.nodes(s)) {
+            for &node in list.iter().flat_map(|&s| model.interactions.nodes(s)) {
                 counts[node as usize][which] += 1;
             }
         }
@@ -87,7 +87,7 @@ impl Zone {
         }
         inside.iter().for_each(|&s| zone.add(problem, &places, s));
         zone.ring = touching(&|&node| places[node as usize] == Place::Next);
-        let nodes = zone.ring.iter().flat_map(|&s| model.springs.nodes(s));
+        let nodes = zone.ring.iter().flat_map(|&s| model.interactions.nodes(s));
         zone.ring_nodes = nodes.copied().collect();
         zone.ring_nodes.sort_unstable();
         zone.ring_nodes.dedup();
@@ -96,7 +96,9 @@ impl Zone {
 
     fn add(&mut self, problem: &Problem, places: &[Place], interaction: usize) {
         let Model {
-            springs, positions, ..
+            interactions,
+            positions,
+            ..
         } = problem.model;
         let mut is_at_rim = false;
         problem.model.for_each_term(interaction, |node, [x, y]| {
@@ -110,7 +112,7 @@ impl Zone {
         }
         self.interactions.push(interaction);
         self.start.push(self.terms.len());
-        (self.over_length).push(springs.length(interaction, positions).recip());
+        (self.over_length).push(interactions.length(interaction, positions).recip());
     }
 
     /// Place of an interaction in the zone.

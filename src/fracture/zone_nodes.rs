@@ -29,7 +29,7 @@ pub fn zone_nodes(
     count: usize,
 ) -> Vec<usize> {
     let model = problem.model;
-    let strained: Vec<(usize, f64)> = (0..model.springs.len())
+    let strained: Vec<(usize, f64)> = (0..model.interactions.len())
         .into_par_iter()
         .filter(|&s| integrity[s] > 0.0)
         .map(|s| {
@@ -38,7 +38,7 @@ pub fn zone_nodes(
         })
         .filter(|&(_, utilisation)| utilisation > STRAINED)
         .collect();
-    let length = |&(s, _): &(usize, f64)| model.springs.length(s, &model.positions);
+    let length = |&(s, _): &(usize, f64)| model.interactions.length(s, &model.positions);
     let horizon = strained.iter().map(length).fold(0.0, f64::max);
     let tips = tips(problem, integrity, &strained, horizon);
     // Nodes are taken by their distance along the strips; a disc fills as fast. Nodes beside a strip come after
@@ -69,8 +69,8 @@ pub fn zone_nodes(
     let close: Vec<[f64; 2]> = close.map(|&(s, _)| middle(problem, s)).collect();
     let is_family = |&x: &[f64; 2]| close.iter().any(|&at| distance(at, x) < FAMILY * horizon);
     let family: Vec<bool> = model.positions.par_iter().map(is_family).collect();
-    for &(spring, utilisation) in &strained {
-        for &node in model.springs.nodes(spring) {
+    for &(interaction, utilisation) in &strained {
+        for &node in model.interactions.nodes(interaction) {
             key[node as usize] = key[node as usize].min(-utilisation);
         }
     }
@@ -91,9 +91,9 @@ pub fn zone_nodes(
     nodes
 }
 
-fn middle(problem: &Problem, spring: usize) -> [f64; 2] {
+fn middle(problem: &Problem, interaction: usize) -> [f64; 2] {
     let model = problem.model;
-    let [a, b] = model.springs.segment(spring, &model.positions);
+    let [a, b] = model.interactions.segment(interaction, &model.positions);
     [0, 1].map(|k| 0.5 * (a[k] + b[k]))
 }
 
@@ -110,8 +110,8 @@ fn tips(problem: &Problem, integrity: &[f64], strained: &[(usize, f64)], horizon
     by_strain.retain(|&(_, utilisation)| utilisation > TIP);
     by_strain.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     let mut clusters: Vec<Vec<[f64; 2]>> = Vec::new();
-    for (spring, _) in by_strain {
-        let place = middle(problem, spring);
+    for (interaction, _) in by_strain {
+        let place = middle(problem, interaction);
         let is_near = |c: &&mut Vec<[f64; 2]>| distance(c[0], place) < APART * horizon;
         match clusters.iter_mut().find(is_near) {
             Some(cluster) => cluster.push(place),
@@ -120,8 +120,8 @@ fn tips(problem: &Problem, integrity: &[f64], strained: &[(usize, f64)], horizon
     }
     let places: Vec<[f64; 2]> = clusters.iter().map(|c| mean(c)).collect();
     let mut wakes = vec![Vec::new(); places.len()];
-    for spring in (0..integrity.len()).filter(|&s| integrity[s] == 0.0) {
-        let broken = middle(problem, spring);
+    for interaction in (0..integrity.len()).filter(|&s| integrity[s] == 0.0) {
+        let broken = middle(problem, interaction);
         for (wake, &place) in wakes.iter_mut().zip(&places) {
             if distance(broken, place) < WAKE * horizon {
                 wake.push(broken);

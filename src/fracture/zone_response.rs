@@ -97,7 +97,8 @@ impl ZoneResponse {
         integrity: f64,
     ) -> Option<Loss> {
         let (w, interaction) = (zone.terms(place), zone.interactions[place]);
-        let t = (self.integrity[place] - integrity) * problem.model.springs.stiffness[interaction];
+        let t =
+            (self.integrity[place] - integrity) * problem.model.interactions.stiffness[interaction];
         self.integrity[place] = integrity;
         self.limits[place] = problem.laws.limits(interaction, integrity);
         let a = self.column(w);

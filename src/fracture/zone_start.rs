@@ -82,7 +82,7 @@ impl ZoneSequence {
         let model = problem.model;
         let nodes = losses
             .iter()
-            .flat_map(|l| model.springs.nodes(l.interaction));
+            .flat_map(|l| model.interactions.nodes(l.interaction));
         let dofs = nodes.flat_map(|&node| [2 * node as usize, 2 * node as usize + 1]);
         self.change.activate(dofs);
         let place = |dof: &usize| zone.dofs.binary_search(dof).expect("a dof of the zone");

@@ -329,7 +329,7 @@ mod tests {
 
     const SIDE: usize = 60;
 
-    /// A lattice of springs to the eight nearest neighbours, on soft ground.
+    /// A lattice of interactions to the eight nearest neighbours, on soft ground.
     fn factor() -> Factor {
         let node = |i: usize, j: usize| (i * SIDE + j) as u32;
         let mut pairs = Vec::new();
@@ -350,15 +350,15 @@ mod tests {
             .map(|k| [(k % SIDE) as f64, (k / SIDE) as f64])
             .collect();
         let stiffness = vec![1.0; pairs.len()];
-        let springs = Interactions::of_bonds(pairs, stiffness);
+        let interactions = Interactions::of_bonds(pairs, stiffness);
         let ground = |k: usize| ElementStiffness {
             nodes: vec![k as u32],
             matrix: DMatrix::from_diagonal_element(2, 2, 1e-3),
         };
         let elements: Vec<ElementStiffness> = (0..SIDE * SIDE).map(ground).collect();
-        let pattern = Pattern::new(SIDE * SIDE, &springs, &elements);
+        let pattern = Pattern::new(SIDE * SIDE, &interactions, &elements);
         let symbolic = Symbolic::new(pattern.symbolic(), &pattern.graph, Ordering::Metis);
-        let matrix = pattern.assemble(&positions, &springs, &elements);
+        let matrix = pattern.assemble(&positions, &interactions, &elements);
         symbolic
             .and_then(|s| s.factorise(&matrix))
             .expect("a factor")

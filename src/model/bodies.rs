@@ -93,7 +93,7 @@ pub fn turn_lattices(mesh: &Mesh, regions: &mut [Region], by_default: &[bool]) {
     }
 }
 
-/// How far from its ends, in its lengths, it is asked which regions a spring begins and ends in: ends may
+/// How far from its ends, in its lengths, it is asked which regions an interaction begins and ends in: ends may
 /// lie on an interface.
 const INWARDS: f64 = 0.01;
 
@@ -147,10 +147,10 @@ impl Model {
             .collect()
     }
 
-    /// The peridynamic regions in which a spring begins and ends; `None` between finite elements.
-    pub fn regions_of_spring(&self, spring: usize) -> Option<[usize; 2]> {
-        let Some(pair) = self.springs.pair(spring) else {
-            return self.clipped_regions[spring - self.springs.clipped_bonds().start];
+    /// The peridynamic regions in which an interaction begins and ends; `None` between finite elements.
+    pub fn regions_of_interaction(&self, interaction: usize) -> Option<[usize; 2]> {
+        let Some(pair) = self.interactions.pair(interaction) else {
+            return self.clipped_regions[interaction - self.interactions.clipped_bonds().start];
         };
         let regions = pair.map(|node| self.region_of_point(node as usize));
         let first = regions[0].or(regions[1])?;
@@ -165,14 +165,14 @@ impl Model {
             let of_member = self.outlines(&members).into_iter();
             outlines.insert(leader, members.into_iter().zip(of_member).collect());
         }
-        let find = |spring: usize| {
-            let mut nodes = self.springs.nodes(spring).iter();
+        let find = |interaction: usize| {
+            let mut nodes = self.interactions.nodes(interaction).iter();
             let first = nodes.find_map(|&n| self.region_of_point(n as usize))?;
             let members = &outlines[&self.leader[first]];
             if members.len() == 1 {
                 return Some([first; 2]);
             }
-            let [a, b] = self.springs.segment(spring, &self.positions);
+            let [a, b] = self.interactions.segment(interaction, &self.positions);
             let region = |share: f64| {
                 let x = [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]));
                 let mut inside = members.iter().filter(|(_, outline)| outline.contains(x));
@@ -182,20 +182,21 @@ impl Model {
             let other = ends[0].or(ends[1]).unwrap_or(first);
             Some(ends.map(|end| end.unwrap_or(other)))
         };
-        let clipped = self.springs.clipped_bonds();
+        let clipped = self.interactions.clipped_bonds();
         clipped.into_par_iter().map(find).collect()
     }
 
-    /// The mean Young's modulus of the two ends of a spring [Pa], c being proportional to it; `None` between
+    /// The mean Young's modulus of the two ends of an interaction [Pa], c being proportional to it; `None` between
     /// finite elements.
-    pub fn mean_young(&self, spring: usize) -> Option<f64> {
-        let [a, b] = (self.regions_of_spring(spring)?).map(|r| self.regions[r].material.young);
+    pub fn mean_young(&self, interaction: usize) -> Option<f64> {
+        let [a, b] =
+            (self.regions_of_interaction(interaction)?).map(|r| self.regions[r].material.young);
         Some(harmonic_mean(a, b))
     }
 
-    /// Mean Young's modulus of the two ends of a spring over that of its lattice's leader [-].
-    pub fn material_factor(&self, spring: usize) -> f64 {
-        let Some([a, b]) = self.regions_of_spring(spring) else {
+    /// Mean Young's modulus of the two ends of an interaction over that of its lattice's leader [-].
+    pub fn material_factor(&self, interaction: usize) -> f64 {
+        let Some([a, b]) = self.regions_of_interaction(interaction) else {
             return 1.0;
         };
         let leader = self.regions[self.leader[a]].material.young;
@@ -208,15 +209,15 @@ impl Model {
         }
     }
 
-    /// Gives all springs, which were made with the micromoduli of the leaders, those of their ends.
+    /// Gives all interactions, which were made with the micromoduli of the leaders, those of their ends.
     pub(super) fn mix_materials(&mut self) {
         self.clipped_regions = self.find_clipped_regions();
         let leads_others = (0..self.regions.len()).any(|r| self.leader[r] != r);
         if leads_others {
-            let factors: Vec<f64> = (0..self.springs.len())
-                .map(|spring| self.material_factor(spring))
+            let factors: Vec<f64> = (0..self.interactions.len())
+                .map(|interaction| self.material_factor(interaction))
                 .collect();
-            let Interactions { stiffness, .. } = &mut self.springs;
+            let Interactions { stiffness, .. } = &mut self.interactions;
             stiffness.iter_mut().zip(factors).for_each(|(k, f)| *k *= f);
         }
     }

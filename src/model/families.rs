@@ -24,7 +24,7 @@ impl Model {
     /// clipped bonds. Trusses belong to no family, eq. (7) being over bonds.
     pub fn families(&self) -> impl Iterator<Item = FamilyMember> {
         let first = self.fe_node_count();
-        let bonds = self.springs.bonds().zip(self.springs.pairs());
+        let bonds = self.interactions.bonds().zip(self.interactions.pairs());
         let bonds = bonds.flat_map(move |(interaction, pair)| {
             let [i, j] = pair.map(|node| node as usize - first);
             [(i, j), (j, i)].map(|(point, other)| FamilyMember {
@@ -33,9 +33,9 @@ impl Model {
                 neighbour: Neighbour::Point(other),
             })
         });
-        let first_clipped = self.springs.clipped_bonds().start;
+        let first_clipped = self.interactions.clipped_bonds().start;
         let clipped = self.clipped.iter().map(move |share| FamilyMember {
-            interaction: first_clipped + share.spring as usize,
+            interaction: first_clipped + share.interaction as usize,
             point: share.point as usize - first,
             neighbour: Neighbour::Area(share.area),
         });
@@ -47,7 +47,9 @@ impl Model {
         match member.neighbour {
             Neighbour::Area(area) => area,
             Neighbour::Point(other) => {
-                let xi = self.springs.length(member.interaction, &self.positions);
+                let xi = self
+                    .interactions
+                    .length(member.interaction, &self.positions);
                 let node = self.fe_node_count() + member.point;
                 self.areas[other] * self.area_fraction(node, xi)
             }

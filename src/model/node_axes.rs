@@ -2,7 +2,7 @@
 //! are the components along axes of its own.
 //!
 //! With T the rotations of these nodes, u' = T u, K' = T K Tᵀ and R' = T R: the solver sees ordinary
-//! prescribed dofs, K stays symmetric, and a spring's e = w·u is w'·u' with w' = T w. All of `statics` and
+//! prescribed dofs, K stays symmetric, and an interaction's e = w·u is w'·u' with w' = T w. All of `statics` and
 //! `fracture` works in these axes; what leaves them is turned back.
 
 use super::Model;
@@ -44,34 +44,36 @@ impl Model {
         field
     }
 
-    /// Calls `visit` with every node of a spring and its w_a in the node's own axes [-].
-    pub fn for_each_term(&self, spring: usize, mut visit: impl FnMut(u32, [f64; 2])) {
+    /// Calls `visit` with every node of an interaction and its w_a in the node's own axes [-].
+    pub fn for_each_term(&self, interaction: usize, mut visit: impl FnMut(u32, [f64; 2])) {
         let axes = &self.node_axes;
-        self.springs
-            .for_each_term(spring, &self.positions, |node, w| {
+        self.interactions
+            .for_each_term(interaction, &self.positions, |node, w| {
                 let own = axes.get(&(node as usize));
                 visit(node, own.map_or(w, |&own| to_own(own, w)));
             });
     }
 
-    /// Whether a spring acts on a node with axes of its own.
-    pub fn has_turned_end(&self, spring: usize) -> bool {
+    /// Whether an interaction acts on a node with axes of its own.
+    pub fn has_turned_end(&self, interaction: usize) -> bool {
         !self.node_axes.is_empty() && {
-            let mut nodes = self.springs.nodes(spring).iter();
+            let mut nodes = self.interactions.nodes(interaction).iter();
             nodes.any(|&node| self.node_axes.contains_key(&(node as usize)))
         }
     }
 
-    /// Stretch of a spring from displacements in the nodes' own axes [-].
-    pub fn stretch(&self, spring: usize, displacement: &[[f64; 2]]) -> f64 {
-        if !self.has_turned_end(spring) {
-            return self.springs.stretch(spring, &self.positions, displacement);
+    /// Stretch of an interaction from displacements in the nodes' own axes [-].
+    pub fn stretch(&self, interaction: usize, displacement: &[[f64; 2]]) -> f64 {
+        if !self.has_turned_end(interaction) {
+            return self
+                .interactions
+                .stretch(interaction, &self.positions, displacement);
         }
         let mut elongation = 0.0;
-        self.for_each_term(spring, |node, w| {
+        self.for_each_term(interaction, |node, w| {
             let u = displacement[node as usize];
             elongation += w[0] * u[0] + w[1] * u[1];
         });
-        elongation / self.springs.length(spring, &self.positions)
+        elongation / self.interactions.length(interaction, &self.positions)
     }
 }

@@ -71,18 +71,18 @@ impl Model {
                     let pair = pair.map(|node| node - first);
                     clipped.replaced.binary_search(&pair).is_err()
                 });
-                let before = self.springs.clipped_bonds().len();
+                let before = self.interactions.clipped_bonds().len();
                 self.clipped
                     .extend(clipped.shares.iter().map(|share| FamilyShare {
-                        spring: before as u32 + share.spring,
+                        interaction: before as u32 + share.interaction,
                         ..*share
                     }));
                 self.clipped_from.extend(clipped.bond_lengths);
-                bonds.append(clipped.springs);
+                bonds.append(clipped.interactions);
             }
             let positions: Vec<[f64; 2]> = positions.iter().map(|&x| axes.global(x)).collect();
             let areas = lattice.areas;
-            self.springs.append(bonds);
+            self.interactions.append(bonds);
             self.points.push(PointRegion {
                 region: index,
                 nodes: first..first + positions.len(),

@@ -24,7 +24,7 @@ impl Model {
                 ..end
             };
             let ends: Vec<InterfaceNode> = ends.into_iter().map(local).collect();
-            self.springs.append(trusses(
+            self.interactions.append(trusses(
                 &ends,
                 &positions,
                 &self.areas[range],

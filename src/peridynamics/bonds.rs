@@ -292,15 +292,15 @@ mod tests {
             let partial_area = if hhb { PartialArea::Hhb } else { PartialArea::Full };
             let c = micromodulus(partial_area, m, spacing);
             let view = Visibility::new(&outline, spacing, c.reach());
-            let springs = bonds(&points, &c, 0.3, 0, &view);
+            let interactions = bonds(&points, &c, 0.3, 0, &view);
             let mut seen = brute_force(&points.positions, c.reach());
             seen.retain(|pair| {
                 let [a, b] = pair.map(|i| points.positions[i as usize]);
                 view.sees(a, b)
             });
-            prop_assert_eq!(springs.pairs(), seen);
-            let largest = springs.stiffness.iter().fold(0.0f64, |a, &k| a.max(k));
-            for (&[i, j], &k) in springs.pairs().iter().zip(&springs.stiffness) {
+            prop_assert_eq!(interactions.pairs(), seen);
+            let largest = interactions.stiffness.iter().fold(0.0f64, |a, &k| a.max(k));
+            for (&[i, j], &k) in interactions.pairs().iter().zip(&interactions.stiffness) {
                 let [a, b] = [i, j].map(|i| points.positions[i as usize]);
                 let areas = [i, j].map(|i| points.areas[i as usize]);
                 let expected = c.axial_stiffness([b[0] - a[0], b[1] - a[1]], areas, 0.3);

@@ -66,12 +66,12 @@ impl Estimate {
         breaks: bool,
     ) -> Result<Estimate, StaticsError> {
         let structure = Structure::new(model, backend, &mut Phases::default())?;
-        let springs = if breaks { model.springs.len() } else { 0 };
-        Ok(Estimate::of(&structure, boundary, springs))
+        let interactions = if breaks { model.interactions.len() } else { 0 };
+        Ok(Estimate::of(&structure, boundary, interactions))
     }
 
-    /// `springs`: how many may break.
-    pub(super) fn of(structure: &Structure, boundary: &Boundary, springs: usize) -> Estimate {
+    /// `interactions`: how many may break.
+    pub(super) fn of(structure: &Structure, boundary: &Boundary, interactions: usize) -> Estimate {
         let backend = structure.solver.backend();
         let size = structure.solver.size();
         let dofs = boundary.load.len();
@@ -82,13 +82,13 @@ impl Estimate {
             Backend::TwoLevel => (1.0, ITERATIVE_VECTORS),
         };
         let kept = match backend {
-            Backend::Multifrontal if springs > 0 => KEPT,
+            Backend::Multifrontal if interactions > 0 => KEPT,
             _ => 0.0,
         };
         let factors = (1.0 + kept) * size.entries as f64 + WAITING * size.waiting_entries as f64;
-        let fracture = match springs {
+        let fracture = match interactions {
             0 => 0.0,
-            springs => FRACTURE + BREAKABLE * springs as f64,
+            interactions => FRACTURE + BREAKABLE * interactions as f64,
         };
         let solving = ENTRY * (copies * stiffness + factors + vectors * dofs as f64) + fracture;
         let bytes = held_memory().unwrap_or(0) + solving as u64;

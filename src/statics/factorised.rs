@@ -1,4 +1,4 @@
-//! K with its supports, ready to be solved with many times while springs break.
+//! K with its supports, ready to be solved with many times while interactions break.
 
 use super::Solution;
 use super::system::{System, norm, vectors};
@@ -81,17 +81,17 @@ impl Factorised {
         change: &[f64],
         losses: impl Iterator<Item = (usize, f64)>,
     ) -> Solution {
-        let (springs, positions) = (&model.springs, &model.positions);
+        let (interactions, positions) = (&model.interactions, &model.positions);
         let before_dofs = before.displacement.iter().flatten();
         let u: Vec<f64> = before_dofs.zip(change).map(|(u, c)| u + c).collect();
         let displacement = vectors(&u);
         let case = self.system.case(case);
         let mut force = self.force(&u);
-        for (spring, loss) in losses {
-            let elongation =
-                springs.length(spring, positions) * model.stretch(spring, &displacement);
+        for (interaction, loss) in losses {
+            let elongation = interactions.length(interaction, positions)
+                * model.stretch(interaction, &displacement);
             let taken = -loss * elongation;
-            add_spring_force(&mut force, model, spring, taken);
+            add_interaction_force(&mut force, model, interaction, taken);
         }
         let residual = self.system.measure(&case.residual(&force), load, &u);
         Solution {
@@ -118,8 +118,8 @@ impl Factorised {
 }
 
 /// Adds f w.
-fn add_spring_force(force: &mut [f64], model: &Model, spring: usize, f: f64) {
-    model.for_each_term(spring, |node, w| {
+fn add_interaction_force(force: &mut [f64], model: &Model, interaction: usize, f: f64) {
+    model.for_each_term(interaction, |node, w| {
         let node = node as usize;
         force[2 * node] += f * w[0];
         force[2 * node + 1] += f * w[1];

@@ -29,7 +29,9 @@ impl Structure {
     ) -> Result<Structure, SolverError> {
         let nodes = model.node_count();
         let elements = phases.measure("elements", || model.element_stiffness());
-        let pattern = phases.measure("pattern", || Pattern::new(nodes, &model.springs, &elements));
+        let pattern = phases.measure("pattern", || {
+            Pattern::new(nodes, &model.interactions, &elements)
+        });
         let solver: Box<dyn SymmetricSolver> =
             match backend.unwrap_or_else(|| Backend::choose(&pattern.graph)) {
                 Backend::Multifrontal => {
@@ -59,10 +61,10 @@ impl Structure {
 
     /// K with the integrity φ of every interaction, in the axes of the nodes.
     pub(super) fn assemble(&self, model: &Model, integrity: &[f64]) -> LowerMatrix {
-        let integrity = |spring: usize| integrity[spring];
-        let (springs, positions) = (&model.springs, &model.positions);
+        let integrity = |interaction: usize| integrity[interaction];
+        let (interactions, positions) = (&model.interactions, &model.positions);
         let mut stiffness =
-            (self.pattern).assemble_with(positions, springs, integrity, &self.elements);
+            (self.pattern).assemble_with(positions, interactions, integrity, &self.elements);
         stiffness.turn(&model.node_axes);
         stiffness
     }
@@ -72,12 +74,19 @@ impl Structure {
         &self,
         stiffness: &mut LowerMatrix,
         nodes: &[u32],
-        (positions, springs): (&[[f64; 2]], &Interactions),
+        (positions, interactions): (&[[f64; 2]], &Interactions),
         integrity: &[f64],
     ) {
-        let integrity = |spring: usize| integrity[spring];
+        let integrity = |interaction: usize| integrity[interaction];
         let elements = &self.elements;
-        (self.pattern).reassemble(stiffness, nodes, positions, springs, integrity, elements);
+        (self.pattern).reassemble(
+            stiffness,
+            nodes,
+            positions,
+            interactions,
+            integrity,
+            elements,
+        );
     }
 
     /// Who shares stiffness with whom.
@@ -86,11 +95,11 @@ impl Structure {
     }
 
     /// Some mean of K's diagonal, the same whatever has broken: its scale [N/m].
-    pub(super) fn mean_diagonal(&self, springs: &Interactions, dofs: usize) -> f64 {
-        let of_springs: f64 = springs.stiffness.iter().map(|k| 2.0 * k).sum();
+    pub(super) fn mean_diagonal(&self, interactions: &Interactions, dofs: usize) -> f64 {
+        let of_interactions: f64 = interactions.stiffness.iter().map(|k| 2.0 * k).sum();
         let elements = self.elements.iter();
         let own: f64 = elements.map(|element| element.matrix.trace()).sum();
-        (of_springs + own) / dofs as f64
+        (of_interactions + own) / dofs as f64
     }
 
     /// Stored entries of K.

@@ -12,7 +12,7 @@ const MOST_REFINEMENTS: usize = 3;
 pub(super) struct System {
     /// K as assembled [N/m].
     pub stiffness: LowerMatrix,
-    /// ‖K‖∞ when K was assembled [N/m]; it only falls while springs break.
+    /// ‖K‖∞ when K was assembled [N/m]; it only falls while interactions break.
     norm: f64,
     pub is_held: Vec<bool>,
     /// Dofs of pinned parts.

@@ -92,7 +92,7 @@ pub struct Growth {
     pub path: Vec<[f64; 3]>,
     /// Bonds that broke without their mirror image, and all that broke.
     pub unmirrored: usize,
-    /// Springs that broke, in their order.
+    /// Interactions that broke, in their order.
     pub broken: Vec<u32>,
     /// Bonds that broke and do not cross the crack's line.
     pub off_line: usize,
@@ -161,9 +161,9 @@ pub fn grow(resolution: Resolution) -> Result<Growth, VerificationError> {
     let critical = laws.first_limits(0).tension;
     // The energy of one column of the cut.
     let column = micromodulus.c0 * micromodulus.third_moment() * critical.powi(2);
-    let energy_at_limit = |spring: usize| {
-        let e = critical * model.springs.length(spring, &model.positions);
-        0.5 * model.springs.stiffness[spring] * e * e / column
+    let energy_at_limit = |interaction: usize| {
+        let e = critical * model.interactions.length(interaction, &model.positions);
+        0.5 * model.interactions.stiffness[interaction] * e * e / column
     };
     let problem = Problem {
         model: &model,
@@ -180,7 +180,7 @@ pub fn grow(resolution: Resolution) -> Result<Growth, VerificationError> {
     let (mut path, mut imbalance) = (Vec::new(), 0.0f64);
     let observe = |state: &State, _: Record, _: &Response| {
         let gone = model
-            .springs
+            .interactions
             .bonds()
             .filter(|&s| model.integrity[s] > state.integrity[s]);
         // The bonds of this event have broken at its load.
@@ -196,15 +196,15 @@ pub fn grow(resolution: Resolution) -> Result<Growth, VerificationError> {
     };
     control::run(&problem, &mut state, &mut Phases::default(), observe)?;
     let gone: Vec<usize> = model
-        .springs
+        .interactions
         .bonds()
         .filter(|&s| model.integrity[s] > state.integrity[s])
         .collect();
     if gone.is_empty() {
         return Err(VerificationError::NothingBroken);
     }
-    let is_off_line = |spring: &&usize| {
-        let [a, b] = model.springs.segment(**spring, &model.positions);
+    let is_off_line = |interaction: &&usize| {
+        let [a, b] = model.interactions.segment(**interaction, &model.positions);
         (a[1] - 0.5 * HEIGHT as f64) * (b[1] - 0.5 * HEIGHT as f64) >= 0.0
     };
     Ok(Growth {
@@ -218,8 +218,8 @@ pub fn grow(resolution: Resolution) -> Result<Growth, VerificationError> {
 
 /// How many of the bonds that are gone have a mirror image that is not.
 fn unmirrored(model: &Model, gone: &[usize]) -> usize {
-    let key = |spring: usize, turn: bool| {
-        let ends = model.springs.segment(spring, &model.positions);
+    let key = |interaction: usize, turn: bool| {
+        let ends = model.interactions.segment(interaction, &model.positions);
         let ends = ends.map(|[x, y]| {
             let y = if turn { HEIGHT as f64 - y } else { y };
             [x, y].map(|x| (2.0 * x).round() as i64)

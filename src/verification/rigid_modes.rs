@@ -12,8 +12,8 @@ use nalgebra::DMatrix;
 /// K as a full matrix [N/m].
 pub fn dense(model: &Model) -> DMatrix<f64> {
     let elements = model.element_stiffness();
-    let pattern = Pattern::new(model.node_count(), &model.springs, &elements);
-    let lower = pattern.assemble(&model.positions, &model.springs, &elements);
+    let pattern = Pattern::new(model.node_count(), &model.interactions, &elements);
+    let lower = pattern.assemble(&model.positions, &model.interactions, &elements);
     let n = lower.ncols();
     let mut k = DMatrix::zeros(n, n);
     for j in 0..n {

@@ -49,7 +49,7 @@ struct Member<'a> {
 }
 
 impl Line<'_> {
-    /// Adds the springs of the line's chains, and the bonds that they stand for.
+    /// Adds the interactions of the line's chains, and the bonds that they stand for.
     pub fn clip(&self, sub_strips: &[SubStrip], clip: &mut Clip) {
         let members = self.members(sub_strips);
         let mut covered: BTreeMap<i64, f64> = BTreeMap::new();
@@ -272,13 +272,13 @@ impl Line<'_> {
             if let Some(point) = point {
                 let fraction = self.region.micromodulus.area_fraction(self.length);
                 clip.shares.push(FamilyShare {
-                    spring: clip.springs.len() as u32,
+                    interaction: clip.interactions.len() as u32,
                     point: first_node + point,
                     area: sub_strip.share * fraction * own[1 - end].unwrap_or(square),
                 });
             }
         }
-        clip.springs.push_clipped_bond(
+        clip.interactions.push_clipped_bond(
             segment.map(|x| axes.global(x)),
             [&shares[0], &shares[1]],
             sub_strip.share * whole / ratio,

@@ -61,10 +61,10 @@ impl Checkpoint {
             model, programme, ..
         } = problem;
         let state = &self.state;
-        let (nodes, springs) = (model.node_count(), model.springs.len());
+        let (nodes, interactions) = (model.node_count(), model.interactions.len());
         let fields = [state.displacement.as_slice(), &state.reaction];
         let is_possible = |change: &Change| {
-            (change.interaction as usize) < springs
+            (change.interaction as usize) < interactions
                 && change.integrity.iter().all(|phi| (0.0..=1.0).contains(phi))
         };
         let phases = programme.phases.len();

@@ -29,7 +29,7 @@ pub(crate) fn fits_model(
 ) -> bool {
     let counts = nodes.iter().map(|values| values.len());
     counts.into_iter().all(|count| count == model.node_count())
-        && integrity.fits(model.springs.len())
+        && integrity.fits(model.interactions.len())
 }
 
 /// The kinds of stored files.

@@ -11,7 +11,7 @@ use crate::pipeline::read::plan::Plan;
 /// Damage of the last state; while a run goes, of the latest one.
 pub const DAMAGE_PICTURE: &str = "damage.png";
 
-/// The damage where the springs are `intact`, at a step of a fracture run.
+/// Damage at a step of a fracture run. `integrity`: φ of every interaction [-].
 pub(crate) fn damage_picture(
     plan: &Plan,
     body: &Deformed,

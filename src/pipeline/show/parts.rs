@@ -52,7 +52,7 @@ impl Parts<'_> {
     /// The parts that there are, in ParaView's order.
     pub fn kinds(&self) -> Vec<PartKind> {
         let Parts { plan, model } = self;
-        let has_bonds = plan.output.bonds && !model.springs.is_empty();
+        let has_bonds = plan.output.bonds && !model.interactions.is_empty();
         let kinds = [
             (PartKind::Elements, !model.elements.is_empty()),
             (PartKind::Points, !model.areas.is_empty()),
@@ -106,7 +106,7 @@ impl Parts<'_> {
         let Parts { plan, model } = self;
         // Positions, fields and what is packed of them.
         let bonds = if plan.output.bonds {
-            model.springs.len()
+            model.interactions.len()
         } else {
             0
         };
@@ -192,20 +192,20 @@ impl Parts<'_> {
     /// Bonds and trusses with stiffness.
     fn bonds(&self, frame: &Frame) -> Part {
         let model = self.model;
-        let stiff: Vec<usize> = (0..model.springs.len())
-            .filter(|&s| model.springs.stiffness[s] != 0.0)
+        let stiff: Vec<usize> = (0..model.interactions.len())
+            .filter(|&s| model.interactions.stiffness[s] != 0.0)
             .collect();
         let mut points = model.positions.clone();
         let mut u = frame.displacement.clone();
         let mut ends: Vec<[usize; 2]> = Vec::with_capacity(stiff.len());
         for &s in &stiff {
-            if let Some(pair) = model.springs.pair(s) {
+            if let Some(pair) = model.interactions.pair(s) {
                 ends.push(pair.map(|n| n as usize));
             } else {
                 // Interpolated ends are points of their own.
                 ends.push([points.len(), points.len() + 1]);
-                points.extend(model.springs.segment(s, &model.positions));
-                u.extend(model.springs.end_displacements(s, &frame.displacement));
+                points.extend(model.interactions.segment(s, &model.positions));
+                u.extend(model.interactions.end_displacements(s, &frame.displacement));
             }
         }
         let mut part = Part::of_lines(points, &ends);
@@ -217,11 +217,14 @@ impl Parts<'_> {
         let of_stiff = |values: &[f64]| stiff.iter().map(|&s| values[s]).collect();
         let is_truss = stiff
             .iter()
-            .map(|&s| i32::from(model.springs.kind(s) == InteractionKind::Truss))
+            .map(|&s| i32::from(model.interactions.kind(s) == InteractionKind::Truss))
             .collect();
         part.cell_data = vec![
             Field::scalar(FieldName::Stretch, of_stiff(&all)),
-            Field::scalar(FieldName::Stiffness, of_stiff(&model.springs.stiffness)),
+            Field::scalar(
+                FieldName::Stiffness,
+                of_stiff(&model.interactions.stiffness),
+            ),
             Field::integer(FieldName::Truss, is_truss),
         ];
         if has_damage(self.plan) {

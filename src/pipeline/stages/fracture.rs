@@ -156,8 +156,8 @@ fn nothing_broke(problem: &Problem, state: &State) -> Option<String> {
     if state.step == 0 || !state.changes.is_empty() {
         return None;
     }
-    let (spring, utilisation) = state.most_strained(model, laws)?;
-    let [a, b] = model.springs.segment(spring, &model.positions);
+    let (interaction, utilisation) = state.most_strained(model, laws)?;
+    let [a, b] = model.interactions.segment(interaction, &model.positions);
     let [x, y] = [0, 1].map(|axis| 500.0 * (a[axis] + b[axis]));
     Some(format!(
         "no bond has broken: at λ = {:.4} the largest stretch is {:.0} % of its limit, at ({x:.4}, {y:.4}) mm",
@@ -184,7 +184,7 @@ struct Chronicle<'a> {
     history: Vec<Line>,
     /// Steps that have a frame.
     frames: Vec<usize>,
-    /// Crack length that each spring adds when it breaks [m].
+    /// Crack length that each interaction adds when it breaks [m].
     crack_lengths: Vec<f64>,
     initial_length: f64,
 }

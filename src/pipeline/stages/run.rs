@@ -529,7 +529,7 @@ fn describe(model: &Model, solved: &Solved) -> String {
     let size = format!(
         "{} unknowns, {} bonds, {ties} {what}",
         size.dofs,
-        model.springs.bonds().len()
+        model.interactions.bonds().len()
     );
     match &solved.fracture {
         None => format!("{size}; residual {residual:.0e}"),

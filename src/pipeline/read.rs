@@ -1,6 +1,7 @@
 //! A pipeline file to a checked [`plan`]: [`spec`] is the file as written, [`reader`] its check.
 
 pub mod files;
+pub mod mistakes;
 pub mod nesting;
 pub mod plan;
 pub mod quantity;

@@ -90,6 +90,38 @@ impl Source {
         }
     }
 
+    /// An error at the name of a key, not at its value.
+    pub fn error_at_name(&self, key: &str, message: String, help: Option<String>) -> InputError {
+        let (holder, name) = key.rsplit_once('/').unwrap_or(("", key));
+        match self.name_in(holder, name) {
+            Some(mark) if !self.is_overridden(key) => self.error_at_mark(&mark, message, help),
+            _ => self.error(key, message, help),
+        }
+    }
+
+    fn name_in(&self, holder: &str, name: &str) -> Option<Span> {
+        let mapping = self.node(holder)?.as_mapping()?;
+        let mut names = mapping.keys();
+        let found = names.find(|key| key.as_str() == name)?;
+        Some(*found.span())
+    }
+
+    /// The value of a key, or of the last step to it that is there.
+    fn nearest(&self, key: &str) -> Option<&Node> {
+        let mut node = self.marks.as_ref()?;
+        for step in steps(key) {
+            match child(node, step) {
+                Some(child) => node = child,
+                None => break,
+            }
+        }
+        Some(node)
+    }
+
+    fn node(&self, key: &str) -> Option<&Node> {
+        steps(key).try_fold(self.marks.as_ref()?, child)
+    }
+
     /// Whether the command line sets a key.
     pub fn is_overridden(&self, key: &str) -> bool {
         self.overrides.iter().any(|(set, _)| within(key, set))
@@ -123,18 +155,7 @@ impl Source {
     }
 
     fn span_of(&self, key: &str) -> Option<SourceSpan> {
-        let mut node = self.marks.as_ref()?;
-        for step in key.split('/').filter(|step| !step.is_empty()) {
-            let child = match node {
-                Node::Mapping(mapping) => mapping.get_node(step),
-                Node::Sequence(list) => step.parse().ok().and_then(|k| list.get_node(k)),
-                Node::Scalar(_) => None,
-            };
-            match child {
-                Some(child) => node = child,
-                None => break,
-            }
-        }
+        let node = self.nearest(key)?;
         let byte = self.byte_of(node.span().start()?);
         let is_absent = |scalar: &MarkedScalarNode| scalar.as_str().is_empty();
         let is_absent = node.as_scalar().is_some_and(is_absent);
@@ -181,6 +202,18 @@ impl Source {
     fn span_from(&self, byte: usize) -> SourceSpan {
         let (byte, line) = self.line_from(byte);
         (byte, extent(line).max(1).min(self.text.len() - byte)).into()
+    }
+}
+
+fn steps(key: &str) -> impl Iterator<Item = &str> {
+    key.split('/').filter(|step| !step.is_empty())
+}
+
+fn child<'a>(node: &'a Node, step: &str) -> Option<&'a Node> {
+    match node {
+        Node::Mapping(mapping) => mapping.get_node(step),
+        Node::Sequence(list) => list.get_node(step.parse().ok()?),
+        Node::Scalar(_) => None,
     }
 }
 

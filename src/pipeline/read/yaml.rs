@@ -1,9 +1,8 @@
-//! The text of a pipeline file, with what `--set` changes, to a [`Spec`]; what does not fit is told
-//! in the user's words, not in serde's.
+//! The text of a pipeline file, with what `--set` changes, to a [`Spec`].
 
+use super::mistakes::{Strictness, check};
 use super::nesting::is_shallow;
-use super::removed::RemovedWord;
-use super::source::{InputError, Source, choices};
+use super::source::{InputError, Source};
 use super::spec::Spec;
 use marked_yaml::{LoadError, LoaderOptions, parse_yaml_with_options};
 use serde_yaml::Value as Yaml;
@@ -32,31 +31,18 @@ pub fn parse_overrides(overrides: &[String]) -> Result<Vec<(String, String)>, In
 /// # Errors
 /// The first thing that is no pipeline.
 pub fn parse(source: &Source) -> Result<Spec, InputError> {
-    let document = document(source)?;
+    let written = document(source)?;
+    check(source, &written, Strictness::AsText)?;
     let overrides = source.overrides();
-    if overrides.is_empty() {
-        return serde_yaml::from_str(source.text()).map_err(|error| located(source, &error));
-    }
-    let error = match overridden(&document, overrides)? {
-        Ok(spec) => return Ok(spec),
-        Err(error) => error,
+    let spec = if overrides.is_empty() {
+        serde_yaml::from_str(source.text())
+    } else {
+        let document = overridden(written, overrides)?;
+        check(source, &document, Strictness::AsValues)?;
+        serde_yaml::from_value(document)
     };
-    if let Err(error) = serde_yaml::from_str::<Spec>(source.text()) {
-        return Err(located(source, &error));
-    }
-    // The file alone is sound: the first override with which it no longer is has to be mended.
-    let first_bad =
-        |count: &usize| !matches!(overridden(&document, &overrides[..*count]), Ok(Ok(_)));
-    let count = (1..overrides.len())
-        .find(first_bad)
-        .unwrap_or(overrides.len());
-    let (key, _) = &overrides[count - 1];
-    let Told { message, help, .. } = tell(&error, key);
-    let option = option(&overrides[count - 1]);
-    Err(InputError::plain(
-        format!("{message} (by `{option}`)"),
-        help,
-    ))
+    // The schema has let it pass: what is left is rare, and serde's words must do.
+    spec.map_err(|error| located(source, &error, None))
 }
 
 fn option((key, value): &(String, String)) -> String {
@@ -79,7 +65,6 @@ fn document(source: &Source) -> Result<Yaml, InputError> {
         return Err(source.error_at_mark(twice.key.span(), message, Some(help)));
     }
     let document: Yaml = serde_yaml::from_str(source.text()).map_err(|error| {
-        let Told { message, .. } = tell(&error, "");
         let at = error.location().map_or(0, |location| location.index());
         let line = source.line_at_byte(at);
         let help = if line.starts_with('\t') || line.trim_start_matches(' ').starts_with('\t') {
@@ -87,12 +72,7 @@ fn document(source: &Source) -> Result<Yaml, InputError> {
         } else {
             "this is not YAML: look at indentation, colons, brackets and quotes here and above"
         };
-        match error.location() {
-            Some(location) => {
-                source.error_at_byte(location.index(), message, Some(help.to_owned()))
-            }
-            None => source.error_in_file(message, Some(help.to_owned())),
-        }
+        located(source, &error, Some(help.to_owned()))
     })?;
     match document {
         Yaml::Mapping(_) => Ok(document),
@@ -107,10 +87,7 @@ fn document(source: &Source) -> Result<Yaml, InputError> {
 const NEEDED: &str = "a pipeline needs `name`, `geometry`, `materials`, `regions` and `boundary`; \
                       copy one from pipelines/ to begin";
 
-type Parsed = Result<Spec, serde_yaml::Error>;
-
-fn overridden(document: &Yaml, overrides: &[(String, String)]) -> Result<Parsed, InputError> {
-    let mut document = document.clone();
+fn overridden(mut document: Yaml, overrides: &[(String, String)]) -> Result<Yaml, InputError> {
     for (key, value) in overrides {
         override_value(&mut document, key, value).map_err(|help| {
             let option = option(&(key.clone(), value.clone()));
@@ -120,7 +97,7 @@ fn overridden(document: &Yaml, overrides: &[(String, String)]) -> Result<Parsed,
             )
         })?;
     }
-    Ok(serde_yaml::from_value(document))
+    Ok(document)
 }
 
 /// Puts `value` at `key`; list entries on the way must exist, keys need not. A word on the way that is
@@ -160,185 +137,12 @@ fn override_value(document: &mut Yaml, key: &str, value: &str) -> Result<(), Str
     Ok(())
 }
 
-fn located(source: &Source, error: &serde_yaml::Error) -> InputError {
-    let Told {
-        message,
-        help,
-        of_file,
-    } = tell(error, "");
-    match error.location() {
-        Some(location) if !of_file => source.error_at_byte(location.index(), message, help),
-        _ => source.error_in_file(message, help),
-    }
-}
-
-/// A message of serde in the user's words.
-struct Told {
-    message: String,
-    help: Option<String>,
-    /// It concerns the file as a whole, not the line at which serde noticed.
-    of_file: bool,
-}
-
-/// `key`: the key that holds the error, if serde does not name it.
-fn tell(error: &serde_yaml::Error, key: &str) -> Told {
+/// A message of the YAML reader, at its place in the file.
+fn located(source: &Source, error: &serde_yaml::Error, help: Option<String>) -> InputError {
     let full = error.to_string();
-    tell_text(full.split(" at line ").next().unwrap_or(&full), key)
-}
-
-/// serde's ways to begin, behind the path.
-const KINDS: [&str; 5] = [
-    "unknown field ",
-    "unknown variant ",
-    "missing field ",
-    "invalid type: ",
-    "invalid length ",
-];
-
-fn tell_text(text: &str, key: &str) -> Told {
-    let found = KINDS
-        .iter()
-        .filter_map(|kind| Some((text.find(kind)?, *kind)))
-        .min();
-    let Some((at, kind)) = found else {
-        return Told {
-            message: text.to_owned(),
-            help: None,
-            of_file: false,
-        };
-    };
-    let path = text[..at]
-        .trim_end_matches(": ")
-        .replace('[', ".")
-        .replace(']', "");
-    let rest = &text[at + kind.len()..];
-    let mut quoted = rest.split('`').skip(1).step_by(2);
-    let within = if path.is_empty() {
-        String::new()
-    } else {
-        format!(" in `{path}`")
-    };
-    let subject = if path.is_empty() {
-        "the value".to_owned()
-    } else {
-        format!("`{path}`")
-    };
-    let (given, expected) = rest
-        .split_once(", expected ")
-        .unwrap_or((rest, "something else"));
-    let must = format!("must be {}", kind_name(expected));
-    let (message, help) = match kind {
-        "unknown field " => {
-            let key = quoted.next().unwrap_or_default();
-            (
-                format!("unknown key `{key}`{within}"),
-                Some(choices(key, quoted)),
-            )
-        }
-        "unknown variant " => {
-            let word = quoted.next().unwrap_or_default();
-            let key = if path.is_empty() { key } else { &path };
-            match RemovedWord::find(key, word) {
-                Some(removed) => (
-                    format!("`{key}` cannot be `{word}`: {}", removed.reason),
-                    Some(removed.replacement.to_owned()),
-                ),
-                None => (
-                    format!("{subject} cannot be `{word}`"),
-                    Some(choices(word, quoted)),
-                ),
-            }
-        }
-        "missing field " => {
-            let key = quoted.next().unwrap_or_default();
-            let help = example(key).map(|example| format!("add, say, `{example}`"));
-            (format!("the key `{key}` is missing{within}"), help)
-        }
-        "invalid length " => (format!("{subject} has {given} values, but {must}"), None),
-        _ => (
-            format!("{subject} is {}, but {must}", kind_name(given)),
-            None,
-        ),
-    };
-    Told {
-        message,
-        help,
-        of_file: path.is_empty() && kind == "missing field ",
-    }
-}
-
-/// serde's name of a kind of value in the user's words.
-fn kind_name(serde: &str) -> String {
-    match serde {
-        "unit value" => "empty".to_owned(),
-        "sequence" | "a sequence" => "a list".to_owned(),
-        "map" | "a map" => "a group of keys".to_owned(),
-        "a boolean" => "`true` or `false`".to_owned(),
-        "a string" => "a text".to_owned(),
-        "an array of length 2" | "sequence of 2 elements" => "two, such as `[1 m, 0]`".to_owned(),
-        _ if serde.starts_with("struct ") => "a group of keys, such as `{ key: value }`".to_owned(),
-        _ => ["string ", "integer ", "floating point ", "boolean "]
-            .iter()
-            .find_map(|kind| serde.strip_prefix(kind))
-            .unwrap_or(serde)
-            .to_owned(),
-    }
-}
-
-fn example(key: &str) -> Option<&'static str> {
-    Some(match key {
-        "name" => "name: plate",
-        "geometry" => "geometry: { file: plate.geo, unit: mm }",
-        "materials" => "materials: { steel: { young: 210 GPa, poisson: 1/3 } }",
-        "regions" => "regions: [ { group: plate, model: fem, material: steel } ]",
-        "boundary" => "boundary: [ { group: left, displacement: { x: 0, y: 0 } } ]",
-        "file" => "file: plate.geo",
-        "young" => "young: 210 GPa",
-        "poisson" => "poisson: 1/3",
-        "group" => "group: plate",
-        "model" => "model: fem",
-        "material" => "material: steel",
-        "at" => "at: [1 m, 0]",
-        "component" => "component: x",
-        _ => return None,
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn serde_speaks_the_users_words() {
-        let cases = [
-            (
-                "regions[1]: unknown field `kernal`, expected `kernel`",
-                "unknown key `kernal` in `regions.1`",
-            ),
-            (
-                "plane: unknown variant `stres`, expected `stress` or `strain`",
-                "`plane` cannot be `stres`",
-            ),
-            ("missing field `name`", "the key `name` is missing"),
-            (
-                "a.b: invalid type: unit value, expected a number",
-                "`a.b` is empty, but must be a number",
-            ),
-            (
-                "probes.tip.at: invalid length 1, expected an array of length 2",
-                "`probes.tip.at` has 1 values, but must be two, such as `[1 m, 0]`",
-            ),
-            (
-                "invalid type: integer `3`, expected a sequence",
-                "the value is `3`, but must be a list",
-            ),
-            (
-                "did not find expected ',' or ']'",
-                "did not find expected ',' or ']'",
-            ),
-        ];
-        for (serde, told) in cases {
-            assert_eq!(tell_text(serde, "").message, told);
-        }
+    let message = full.split(" at line ").next().unwrap_or(&full).to_owned();
+    match error.location() {
+        Some(location) => source.error_at_byte(location.index(), message, help),
+        None => source.error_in_file(message, help),
     }
 }

@@ -13,6 +13,7 @@ use tempfile::TempDir;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_peristitch");
 const README: &str = include_str!("../README.md");
+const HOWTO_PAGE: &str = include_str!("../docs/howto.md");
 const PIPELINE_PAGE: &str = include_str!("../docs/pipeline.md");
 const REFERENCE_PAGE: &str = include_str!("../docs/pipeline_reference.md");
 const ARCHITECTURE_PAGE: &str = include_str!("../docs/architecture.md");
@@ -52,7 +53,8 @@ fn pipelines(page: &str) -> Vec<(&str, &str)> {
     fenced(page, "yaml").into_iter().filter_map(named).collect()
 }
 
-/// A folder with the project's geo/ and pipelines/, and those that README.md shows.
+/// A folder with the project's geo/ and pipelines/, the pipeline that README.md shows and the geometry of
+/// docs/howto.md.
 fn workplace() -> TempDir {
     let place = tempfile::tempdir().expect("a temporary folder");
     for folder in ["geo", "pipelines"] {
@@ -64,7 +66,7 @@ fn workplace() -> TempDir {
             fs::copy(&path, copy.join(name)).expect("a copy");
         }
     }
-    for block in fenced(README, "geo") {
+    for block in fenced(HOWTO_PAGE, "geo") {
         let first = block.lines().next().expect("a block has lines");
         let path = first
             .strip_prefix("// ")
@@ -149,7 +151,7 @@ fn every_complete_pipeline_is_sound() {
 fn every_command_runs() {
     let place = workplace();
     let mut counts = [0, 0];
-    for page in [README, PIPELINE_PAGE] {
+    for page in [README, HOWTO_PAGE, PIPELINE_PAGE] {
         for line in fenced(page, "sh").into_iter().flat_map(str::lines) {
             let output = if let Some(target) = line.strip_prefix("make ") {
                 counts[0] += 1;
@@ -179,13 +181,13 @@ fn every_command_runs() {
 #[test]
 fn the_quoted_output_is_what_the_program_prints() {
     let place = workplace();
-    let printed = run(&place, &["run", "pipelines/cantilever_hybrid_q8.yaml"]);
+    let printed = run(&place, &["run", "pipelines/plate_mode_i.yaml", "--brief"]);
     let quoted = fenced(README, "text");
     let quoted = quoted.first().expect("README.md quotes the output");
     assert_eq!(quoted.trim(), printed.trim());
-    let tip = &summary(&place, "cantilever_hybrid_q8")["probes"][0]["displacement_m"];
-    let tip = format!("u_x = {:.5e} m", tip.as_f64().expect("a number"));
-    assert!(quoted.contains(&tip), "README.md does not say {tip}");
+    let peak = &summary(&place, "plate_mode_i")["fracture"]["peak"]["reaction_n"];
+    let peak = format!("and {:.4e} N", peak.as_f64().expect("a number"));
+    assert!(quoted.contains(&peak), "README.md does not say {peak}");
 }
 
 /// `1.0268e-5 m: …` → the number and how it is written.

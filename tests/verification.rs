@@ -1,18 +1,18 @@
-//! The ladder of `peristitch verify`: the quick cases are measured here, and README.md shows the table
-//! that it prints. The slow cases (half a minute) are measured by `verify` alone; of them, the page's
+//! The ladder of `peristitch verify`: the quick cases are measured here, and docs/verification.md shows the
+//! table that it prints. The slow cases (half a minute) are measured by `verify` alone; of them, the page's
 //! rows are checked against what each one may measure.
 
 use peristitch::verification::{Check, ladder, table};
 use std::collections::BTreeSet;
 use std::process::Command;
 
-const README: &str = include_str!("../README.md");
+const PAGE: &str = include_str!("../docs/verification.md");
 const BEGIN: &str = "<!-- verification: begin -->\n";
 const END: &str = "<!-- verification: end -->";
 
 /// The rows of the page's table, each as its cells.
 fn rows() -> Vec<Vec<String>> {
-    let begin = README.split(BEGIN).nth(1).expect("README.md has the table");
+    let begin = PAGE.split(BEGIN).nth(1).expect("the page has the table");
     let table = begin.split(END).next().expect("the table ends");
     let cells = |line: &str| {
         let line = line.replace("\\|", "¦");
@@ -34,7 +34,7 @@ fn quick() -> Vec<Check> {
 }
 
 #[test]
-fn every_quick_case_holds_and_stands_in_the_readme() {
+fn every_quick_case_holds_and_stands_on_the_page() {
     let checks = quick();
     assert!(checks.len() >= 30, "{}", checks.len());
     let rows = rows();
@@ -43,7 +43,7 @@ fn every_quick_case_holds_and_stands_in_the_readme() {
         let row = rows
             .iter()
             .find(|row| row[0] == check.case && row[1] == check.quantity);
-        let row = row.unwrap_or_else(|| panic!("README.md has no row for {check:?}"));
+        let row = row.unwrap_or_else(|| panic!("docs/verification.md has no row for {check:?}"));
         let printed = table::markdown(std::slice::from_ref(check));
         let printed: Vec<String> = printed
             .lines()
@@ -69,7 +69,7 @@ fn every_quick_case_holds_and_stands_in_the_readme() {
 
 /// The page lists every case of the ladder, the slow ones too, and no verdict but one that holds.
 #[test]
-fn the_readme_lists_every_case_and_all_hold() {
+fn the_page_lists_every_case_and_all_hold() {
     let rows = rows();
     let listed: BTreeSet<&str> = rows.iter().map(|row| row[0].as_str()).collect();
     let mut missing = Vec::new();

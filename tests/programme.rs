@@ -21,6 +21,7 @@ use peristitch::model::{Method, Model, PeridynamicSettings};
 use peristitch::peridynamics::lattice::Placement;
 use peristitch::phases::Phases;
 use peristitch::statics::StaticsError;
+use std::sync::Arc;
 
 const DX: f64 = 2.5e-3;
 /// Prescribed on either grip per unit of a load factor [m].
@@ -308,7 +309,7 @@ fn under_a_dead_load_the_loaded_part_comes_off_or_swings() {
     let mut state = State::new(&model, &programme);
     for (interaction, ends) in model.interactions.pairs().iter().enumerate() {
         if is_above(ends[0]) != is_above(ends[1]) {
-            state.integrity[interaction] = 0.0;
+            Arc::make_mut(&mut state.integrity)[interaction] = 0.0;
         }
     }
     let problem = Problem {
@@ -353,7 +354,7 @@ fn a_loaded_part_on_a_hinge_ends_the_run() {
     for (interaction, ends) in model.interactions.pairs().iter().enumerate() {
         let crosses = is_above(ends[0]) != is_above(ends[1]);
         if crosses && !ends.contains(&hinge) {
-            state.integrity[interaction] = 0.0;
+            Arc::make_mut(&mut state.integrity)[interaction] = 0.0;
         }
     }
     let observe = |_: &State, _: Record, _: &Response| Ok::<(), StaticsError>(());

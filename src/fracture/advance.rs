@@ -6,6 +6,7 @@ use super::problem::Problem;
 use super::response::Response;
 use super::state::{Change, LoadForce, State};
 use std::borrow::Cow;
+use std::sync::Arc;
 
 impl State {
     /// Moves along the straight path to `load`.
@@ -98,7 +99,7 @@ impl State {
             };
             let before = self.integrity[interaction];
             let after = laws.next(interaction, before, stretch);
-            self.integrity[interaction] = after;
+            Arc::make_mut(&mut self.integrity)[interaction] = after;
             self.changes.push(Change {
                 interaction: interaction as u32,
                 integrity: [before, after],

@@ -55,7 +55,7 @@ pub fn look_ahead(
         phase: state.phase,
         load: state.load,
         left: problem.until.steps - state.step,
-        integrity: state.integrity.clone(),
+        integrity: state.integrity.to_vec(),
         fields: fields(functionals, &factorised, factorised.dofs()),
         base,
         sequence: ZoneSequence::default(),

@@ -10,6 +10,7 @@ use crate::statics::{StaticsError, SystemSize};
 use crate::support;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// The state of a run.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -22,17 +23,17 @@ pub struct State {
     pub load: Load,
     /// The largest λ of this phase so far: where a load that only grows would be.
     pub envelope: f64,
-    /// u of every node [m] and the reactions there [N], when they were last asked for
-    /// ([`State::settle`]).
+    /// Displacement [m] and reaction [N] of every node when the state was last settled
+    /// ([`State::settled`]).
     pub displacement: Vec<[f64; 2]>,
     pub reaction: Vec<[f64; 2]>,
     /// Backward error of both [-], and the size of the system.
     pub residual: f64,
     pub size: Option<SystemSize>,
-    /// Integrity φ of every interaction [-]. It is not kept: it follows from the changes,
-    /// see [`State::restore_integrity`].
+    /// Integrity φ of every interaction [-]. Copies of the state share it until it changes. It is not kept on the
+    /// disk, since it follows from the changes ([`State::restore_integrity`]).
     #[serde(skip)]
-    pub integrity: Vec<f64>,
+    pub integrity: Arc<Vec<f64>>,
     /// Nodes of the parts that no support touches any more; they stay where they broke off.
     pub fragments: Vec<Vec<usize>>,
     /// Whether a load pushes a part that the supports do not hold.
@@ -114,7 +115,7 @@ impl State {
             reaction: vec![[0.0; 2]; model.node_count()],
             residual: 0.0,
             size: None,
-            integrity: model.integrity.clone(),
+            integrity: Arc::new(model.integrity.clone()),
             fragments: Vec::new(),
             load_lost: false,
             mechanisms: BTreeSet::new(),
@@ -131,9 +132,10 @@ impl State {
 
     /// Sets the integrity that the changes have left of the model's.
     pub fn restore_integrity(&mut self, model: &Model) {
-        self.integrity.clone_from(&model.integrity);
+        self.integrity = Arc::new(model.integrity.clone());
         for change in &self.changes {
-            self.integrity[change.interaction as usize] = change.integrity[1];
+            let all = Arc::make_mut(&mut self.integrity);
+            all[change.interaction as usize] = change.integrity[1];
         }
     }
 

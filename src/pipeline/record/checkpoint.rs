@@ -5,6 +5,7 @@ use crate::fracture::control::Problem;
 use crate::fracture::state::{Change, State};
 use crate::model::Model;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
@@ -44,8 +45,8 @@ impl Ledger {
 impl Checkpoint {
     pub fn new(recipe: &str, state: &State, lines: usize, frames: &[usize]) -> Checkpoint {
         let mut state = state.clone();
-        // It is not kept, and checkpoints that wait for the disk would hold memory for it.
-        state.integrity = Vec::new();
+        // It is not kept, and a checkpoint that waits for the disk would make the next change copy it.
+        state.integrity = Arc::default();
         Checkpoint {
             recipe: recipe.to_owned(),
             state,

@@ -48,7 +48,7 @@ impl<'scope, 'env> LivePicture<'scope, 'env> {
             && plan.output.formats.contains(&Format::Png);
         let is_recent = self.last.is_some_and(|last| last.elapsed() < PERIOD);
         let is_drawing = (self.thread.as_ref()).is_some_and(|thread| !thread.is_finished());
-        if !is_wanted || is_recent || is_drawing || state.integrity == model.integrity {
+        if !is_wanted || is_recent || is_drawing || state.changes.is_empty() {
             return;
         }
         let step = state.step;

@@ -22,11 +22,12 @@ impl BondLaw for Weaker {
         a.limits(integrity).and(b.limits(integrity))
     }
 
-    /// The lower of the integrities that the laws give whose limit is reached; the lower of both where
-    /// rounding lets neither be.
+    /// The integrity by the law whose limit the stretch has reached, or passed by more.
     fn next(&self, integrity: f64, s: f64) -> f64 {
         let [a, b] = &self.laws;
-        a.next(integrity, s).min(b.next(integrity, s))
+        let [of_a, of_b] = [a, b].map(|law| law.limits(integrity).utilisation(s));
+        let law = if of_a >= of_b { a } else { b };
+        law.next(integrity, s)
     }
 
     fn of_part(&self, t: f64) -> Arc<dyn BondLaw> {

@@ -1,8 +1,8 @@
 //! What a run costs: times of its phases, bytes of its files, memory; and how a stage's share of that is
 //! kept for the summary of a later run, which finds the stage fresh.
 
-use super::made::Made;
 use super::summary::{CostSummary, FilesSummary, MemorySummary, PhaseSummary, WrittenSummary};
+use super::written_file::WrittenFile;
 use crate::phases::{Phase, Phases};
 use crate::statics::SystemSize;
 use serde::{Deserialize, Serialize};
@@ -18,7 +18,7 @@ pub struct Costs {
     /// The frames that the solve has written.
     pub frames: Option<FilesSummary>,
     /// Results of the output stage.
-    pub made: Vec<Made>,
+    pub made: Vec<WrittenFile>,
     /// The most memory that the process had held by then [bytes].
     pub peak_memory: Option<u64>,
 }

@@ -1,6 +1,6 @@
 //! `summary.json`: what a run has computed and what it has cost. The fields are the keys of the file.
 
-use super::made::Made;
+use super::written_file::WrittenFile;
 use crate::pipeline::read::spec::{Control, ReferenceSteps};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -161,7 +161,7 @@ pub struct FilesSummary {
 
 impl FilesSummary {
     /// Sums files whose names end so.
-    pub(crate) fn new(made: &[Made], ending: &str) -> FilesSummary {
+    pub(crate) fn new(made: &[WrittenFile], ending: &str) -> FilesSummary {
         let files = || made.iter().filter(|made| made.name.ends_with(ending));
         let raw_bytes = files().map(|made| made.raw_bytes).sum();
         let bytes = files().map(|made| made.bytes).sum();
@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn files_have_a_ratio_and_a_rate_where_there_are_any() {
-        let made = |name: &str, raw_bytes, bytes| Made {
+        let made = |name: &str, raw_bytes, bytes| WrittenFile {
             name: name.to_owned(),
             raw_bytes,
             bytes,

@@ -1,6 +1,6 @@
 //! What a killed run goes on from: the state behind its last step, as it is kept.
 
-use super::history::Line;
+use super::history::HistoryLine;
 use crate::fracture::control::Problem;
 use crate::fracture::state::{Change, State};
 use crate::model::Model;
@@ -16,18 +16,18 @@ pub(crate) struct Checkpoint {
     /// Lines of the journal that belong to it.
     pub lines: usize,
     pub frames: Vec<usize>,
-    /// What [`Ledger::close`] says of both.
-    pub ledger: String,
+    /// What [`RecordHash::close`] says of both.
+    pub record_hash: String,
 }
 
 /// The lines and frames so far, hashed: a checkpoint counts on them.
 #[derive(Clone, Default)]
-pub(crate) struct Ledger {
+pub(crate) struct RecordHash {
     lines: blake3::Hasher,
     frames: blake3::Hasher,
 }
 
-impl Ledger {
+impl RecordHash {
     pub fn add_line(&mut self, bytes: &[u8]) {
         self.lines.update(bytes);
     }
@@ -52,12 +52,12 @@ impl Checkpoint {
             state,
             lines,
             frames: frames.to_vec(),
-            ledger: String::new(),
+            record_hash: String::new(),
         }
     }
 
     /// Whether it can be a state of this problem, behind these lines.
-    pub fn fits(&self, problem: &Problem, lines: &[Line]) -> bool {
+    pub fn fits(&self, problem: &Problem, lines: &[HistoryLine]) -> bool {
         let Problem {
             model, programme, ..
         } = problem;
@@ -69,8 +69,9 @@ impl Checkpoint {
                 && change.integrity.iter().all(|phi| (0.0..=1.0).contains(phi))
         };
         let phases = programme.phases.len();
-        let is_sound =
-            |line: &Line| line.phase < phases && line.bonds_broken_total <= state.changes.len();
+        let is_sound = |line: &HistoryLine| {
+            line.phase < phases && line.bonds_broken_total <= state.changes.len()
+        };
         fields.iter().all(|values| values.len() == nodes)
             && lines.iter().all(is_sound)
             && state.changes.iter().all(is_possible)

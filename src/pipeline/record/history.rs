@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 /// One line: a load step, or an event.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Line {
+pub struct HistoryLine {
     pub step: usize,
     /// Index of the phase of the programme.
     pub phase: usize,
@@ -64,7 +64,7 @@ pub(crate) fn quoted(text: &str) -> String {
     }
 }
 
-impl Line {
+impl HistoryLine {
     /// `phase`: its name, where there are several.
     pub(crate) fn csv(&self, phase: &str) -> String {
         let mut text = format!(

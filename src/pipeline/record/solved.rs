@@ -1,6 +1,6 @@
 //! The solve stage's result, as it is kept in `solution.bin`.
 
-use super::history::Line;
+use super::history::HistoryLine;
 use super::sparse_integrity::SparseIntegrity;
 use super::stored::fits_model;
 use crate::fracture::control::Ending;
@@ -16,13 +16,13 @@ pub struct Solved {
     /// Integrity of every interaction in it.
     pub integrity: SparseIntegrity,
     /// How a fracture run got there.
-    pub fracture: Option<Course>,
+    pub fracture: Option<FractureRun>,
 }
 
 /// The course of a fracture run.
 #[derive(Serialize, Deserialize)]
-pub struct Course {
-    pub history: Vec<Line>,
+pub struct FractureRun {
+    pub history: Vec<HistoryLine>,
     /// Steps that have a frame.
     pub frames: Vec<usize>,
     pub ending: Ending,

@@ -4,7 +4,7 @@
 use super::checkpoint::Checkpoint;
 use super::format::without_format;
 use super::frames::Frame;
-use super::history::Line;
+use super::history::HistoryLine;
 use super::solved::Solved;
 use super::sparse_integrity::SparseIntegrity;
 use super::stamp::Manifest;
@@ -71,7 +71,7 @@ impl Kind {
             }
             Kind::Journal => {
                 let mut rest = bytes;
-                while let Ok((_, after)) = postcard::take_from_bytes::<Line>(rest) {
+                while let Ok((_, after)) = postcard::take_from_bytes::<HistoryLine>(rest) {
                     rest = after;
                 }
                 rest.is_empty()

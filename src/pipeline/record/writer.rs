@@ -2,15 +2,15 @@
 //! order in which they were handed over: what a killed run leaves is what it would have left if the
 //! solve had waited for every write, up to some moment.
 
-use super::checkpoint::{Checkpoint, Ledger};
+use super::checkpoint::{Checkpoint, RecordHash};
 use super::folder::{file_error, remove};
 use super::format::{with_format, without_format};
 use super::frames::{Frame, encode, frame_file};
-use super::history::Line;
+use super::history::HistoryLine;
 use super::stamp;
 use crate::output::{partial_name, write_whole};
 use crate::phases::Phases;
-use crate::pipeline::account::made::Made;
+use crate::pipeline::account::written_file::WrittenFile;
 use crate::pipeline::error::RunError;
 use crate::trace::Trace;
 use std::fs::{self, File};
@@ -30,39 +30,39 @@ const MOST_WAITING: usize = 4;
 
 /// What a step leaves.
 #[derive(Default)]
-pub(crate) struct Order {
+pub(crate) struct StepRecord {
     /// The line as it stands in the history, and for the journal.
-    pub line: Option<(String, Line)>,
+    pub line: Option<(String, HistoryLine)>,
     pub frame: Option<Arc<Frame>>,
     pub checkpoint: Option<Box<Checkpoint>>,
 }
 
 /// The end of the queue at which orders are given.
-pub(crate) struct Scribe<'scope> {
-    orders: SyncSender<Order>,
-    thread: ScopedJoinHandle<'scope, Result<Written, RunError>>,
+pub(crate) struct RecordWriter<'scope> {
+    orders: SyncSender<StepRecord>,
+    thread: ScopedJoinHandle<'scope, Result<WrittenRecord, RunError>>,
 }
 
 /// What a run has put on the disk along the way.
-pub(crate) struct Written {
-    pub frames: Vec<Made>,
+pub(crate) struct WrittenRecord {
+    pub frames: Vec<WrittenFile>,
     pub phases: Phases,
 }
 
-impl<'scope> Scribe<'scope> {
-    /// Goes on behind what the files hold, and `ledger` knows.
+impl<'scope> RecordWriter<'scope> {
+    /// Goes on behind what the files hold, and `record_hash` knows.
     pub fn start(
         scope: &'scope Scope<'scope, '_>,
         folder: &Path,
-        ledger: Ledger,
+        record_hash: RecordHash,
         trace: Trace,
-    ) -> Result<Scribe<'scope>, RunError> {
-        let desk = Desk {
+    ) -> Result<RecordWriter<'scope>, RunError> {
+        let desk = WriterThread {
             folder: folder.to_owned(),
-            ledger,
+            record_hash,
             history: Appended::open(folder.join(HISTORY_FILE))?,
             journal: Appended::open(folder.join(JOURNAL_FILE))?,
-            written: Written {
+            written: WrittenRecord {
                 frames: Vec::new(),
                 phases: Phases::traced(trace),
             },
@@ -71,12 +71,12 @@ impl<'scope> Scribe<'scope> {
         let thread = Builder::new().name("writer".to_owned());
         let thread = thread.spawn_scoped(scope, move || desk.work(&queue));
         let thread = thread.map_err(|source| file_error("write to", folder, source))?;
-        Ok(Scribe { orders, thread })
+        Ok(RecordWriter { orders, thread })
     }
 
-    /// Hands an order over. `false`: the thread has met an error, which [`Scribe::finish`] tells.
+    /// Hands an order over. `false`: the thread has met an error, which [`RecordWriter::finish`] tells.
     #[must_use]
-    pub fn give(&self, order: Order) -> bool {
+    pub fn give(&self, order: StepRecord) -> bool {
         self.orders.send(order).is_ok()
     }
 
@@ -84,7 +84,7 @@ impl<'scope> Scribe<'scope> {
     ///
     /// # Errors
     /// What could not be written first; nothing after it has been.
-    pub fn finish(self) -> Result<Written, RunError> {
+    pub fn finish(self) -> Result<WrittenRecord, RunError> {
         drop(self.orders);
         match self.thread.join() {
             Ok(written) => written,
@@ -94,16 +94,16 @@ impl<'scope> Scribe<'scope> {
 }
 
 /// The thread's own.
-struct Desk {
+struct WriterThread {
     folder: PathBuf,
-    ledger: Ledger,
+    record_hash: RecordHash,
     history: Appended,
     journal: Appended,
-    written: Written,
+    written: WrittenRecord,
 }
 
-impl Desk {
-    fn work(mut self, queue: &Receiver<Order>) -> Result<Written, RunError> {
+impl WriterThread {
+    fn work(mut self, queue: &Receiver<StepRecord>) -> Result<WrittenRecord, RunError> {
         for order in queue {
             self.write(order)?;
         }
@@ -111,28 +111,28 @@ impl Desk {
     }
 
     /// A checkpoint comes last: it counts on the lines and the frames before it.
-    fn write(&mut self, order: Order) -> Result<(), RunError> {
-        let Desk {
+    fn write(&mut self, order: StepRecord) -> Result<(), RunError> {
+        let WriterThread {
             folder,
-            ledger,
+            record_hash,
             history,
             journal,
-            written: Written { frames, phases },
+            written: WrittenRecord { frames, phases },
         } = self;
         if let Some((text, line)) = &order.line {
             phases.measure("history", || {
                 history.add(format!("{text}\n").as_bytes())?;
                 let bytes = encode(line);
-                ledger.add_line(&bytes);
+                record_hash.add_line(&bytes);
                 journal.add(&bytes)
             })?;
         }
         if let Some(frame) = &order.frame {
             let trace = phases.trace().clone();
             let write = || {
-                Made::measured(frame_file(frame.step), &trace, |name| {
+                WrittenFile::measured(frame_file(frame.step), &trace, |name| {
                     let bytes = with_format(&encode(&**frame));
-                    ledger.add_frame(&stamp::hash(&bytes));
+                    record_hash.add_frame(&stamp::hash(&bytes));
                     write_whole(&folder.join(name), &bytes)?;
                     Ok::<_, RunError>([frame.raw_bytes(), bytes.len() as u64])
                 })
@@ -140,7 +140,7 @@ impl Desk {
             frames.push(phases.measure("frames", write)?);
         }
         if let Some(mut checkpoint) = order.checkpoint {
-            checkpoint.ledger = ledger.close();
+            checkpoint.record_hash = record_hash.close();
             let path = folder.join(CHECKPOINT_FILE);
             phases.measure("checkpoints", || {
                 write_whole(&path, &with_format(&sealed(&encode(&*checkpoint))))
@@ -172,7 +172,7 @@ impl Appended {
 }
 
 /// The first lines of the journal, the history as it is in memory, where there are as many.
-pub(crate) fn read_journal(folder: &Path, count: usize) -> Option<Vec<Line>> {
+pub(crate) fn read_journal(folder: &Path, count: usize) -> Option<Vec<HistoryLine>> {
     let bytes = fs::read(folder.join(JOURNAL_FILE)).unwrap_or_default();
     let mut rest = bytes.as_slice();
     let mut line = || {
@@ -184,7 +184,11 @@ pub(crate) fn read_journal(folder: &Path, count: usize) -> Option<Vec<Line>> {
 }
 
 /// Lets both begin with these lines.
-pub(crate) fn begin_history(folder: &Path, text: &str, lines: &[Line]) -> Result<(), RunError> {
+pub(crate) fn begin_history(
+    folder: &Path,
+    text: &str,
+    lines: &[HistoryLine],
+) -> Result<(), RunError> {
     write_whole(&folder.join(HISTORY_FILE), text.as_bytes())?;
     let bytes: Vec<u8> = lines.iter().flat_map(encode).collect();
     Ok(write_whole(&folder.join(JOURNAL_FILE), &bytes)?)

@@ -8,12 +8,12 @@ use crate::output::animation::{self, Still};
 use crate::output::picture::field::deformation_scale;
 use crate::output::picture::{Composition, FieldPicture};
 use crate::output::write_whole;
-use crate::pipeline::account::made::Made;
+use crate::pipeline::account::written_file::WrittenFile;
 use crate::pipeline::error::ResultsError;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::Plan;
 use crate::pipeline::record::frames::{Frame, read_frame};
-use crate::pipeline::record::solved::Course;
+use crate::pipeline::record::solved::FractureRun;
 use crate::trace::Trace;
 use rayon::prelude::*;
 use std::path::Path;
@@ -26,15 +26,19 @@ const MOST: usize = 40;
 const ZOOM: f64 = 0.5;
 
 /// The pictures of some frames.
-pub(crate) struct Reel {
+pub(crate) struct AnimationFrames {
     pub steps: Vec<usize>,
     pub stills: Vec<Still>,
 }
 
-impl Reel {
+impl AnimationFrames {
     /// # Errors
     /// A frame that cannot be read.
-    pub fn new(plan: &Plan, model: &Model, course: &Course) -> Result<Reel, RunError> {
+    pub fn new(
+        plan: &Plan,
+        model: &Model,
+        course: &FractureRun,
+    ) -> Result<AnimationFrames, RunError> {
         let steps = chosen(course);
         let read = |&step: &usize| read_frame(&plan.folder, model, step);
         let view = View::of(model, steps.iter().map(read))?;
@@ -47,7 +51,7 @@ impl Reel {
         };
         let last = steps.last().map(read).transpose()?;
         let Some(last) = last else {
-            return Ok(Reel {
+            return Ok(AnimationFrames {
                 steps,
                 stills: Vec::new(),
             });
@@ -62,7 +66,7 @@ impl Reel {
         };
         let stills: Vec<Result<Still, RunError>> = steps.par_iter().map(still).collect();
         let stills: Result<Vec<Still>, RunError> = stills.into_iter().collect();
-        Ok(Reel {
+        Ok(AnimationFrames {
             steps,
             stills: stills?,
         })
@@ -72,8 +76,8 @@ impl Reel {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn film(&self, folder: &Path, trace: &Trace) -> Result<Made, ResultsError> {
-        Made::measured(FILM_FILE.to_owned(), trace, |file| {
+    pub fn film(&self, folder: &Path, trace: &Trace) -> Result<WrittenFile, ResultsError> {
+        WrittenFile::measured(FILM_FILE.to_owned(), trace, |file| {
             let bytes = animation::film(&self.stills)?;
             write_whole(&folder.join(file), &bytes)?;
             let pixels: usize = self.stills.iter().map(|still| still.indices.len()).sum();
@@ -83,7 +87,7 @@ impl Reel {
 }
 
 /// The frames from the last one before the first break on, evenly thinned out; the last one always.
-fn chosen(course: &Course) -> Vec<usize> {
+fn chosen(course: &FractureRun) -> Vec<usize> {
     let broken = course.history.iter().find(|line| line.bonds_broken > 0);
     let first = broken.map_or(usize::MAX, |line| line.step);
     let begin = course.frames.iter().rposition(|&step| step < first);

@@ -4,17 +4,17 @@ use crate::fracture::control::Control;
 use crate::fracture::envelope::envelope;
 use crate::output::picture::{Axis, Chart, Curve, Mark};
 use crate::pipeline::read::plan::{Loading, Plan};
-use crate::pipeline::record::history::Line;
-use crate::pipeline::record::solved::Course;
+use crate::pipeline::record::history::HistoryLine;
+use crate::pipeline::record::solved::FractureRun;
 
 /// Steps that break bonds are shown one by one if there are no more of them.
 const MOST_DOTS: usize = 100;
 
 /// Reaction over grip displacement; over the load factor where nothing is displaced.
-pub(crate) fn load_displacement(plan: &Plan, course: &Course) -> Chart {
+pub(crate) fn load_displacement(plan: &Plan, course: &FractureRun) -> Chart {
     let history = &course.history;
     let grips_move = history.iter().any(|line| line.grip_displacement > 0.0);
-    let at = |line: &Line| {
+    let at = |line: &HistoryLine| {
         let x = if grips_move {
             line.grip_displacement
         } else {
@@ -27,7 +27,7 @@ pub(crate) fn load_displacement(plan: &Plan, course: &Course) -> Chart {
     } else {
         ("load factor", "")
     };
-    let mark = |(line, what): (&Line, String)| Mark {
+    let mark = |(line, what): (&HistoryLine, String)| Mark {
         at: at(line),
         label: format!("{what}, step {}", line.step),
     };
@@ -59,7 +59,7 @@ pub(crate) fn load_displacement(plan: &Plan, course: &Course) -> Chart {
 }
 
 /// First break, largest reaction, end.
-fn events(course: &Course) -> Vec<(&Line, String)> {
+fn events(course: &FractureRun) -> Vec<(&HistoryLine, String)> {
     let history = &course.history;
     let first = history.iter().find(|line| line.bonds_broken > 0);
     let peak = history
@@ -84,16 +84,16 @@ fn events(course: &Course) -> Vec<(&Line, String)> {
 
 /// Elastic and dissipated energy and the work of the loads; over the load factor where it only grows, else,
 /// event-driven or in a programme of several phases, over the step.
-pub(crate) fn energies(plan: &Plan, course: &Course) -> Chart {
+pub(crate) fn energies(plan: &Plan, course: &FractureRun) -> Chart {
     let history = &course.history;
     let turns = |loading: &Loading| {
         loading.phases.len() > 1 || matches!(loading.control, Control::EventDriven)
     };
-    let (name, of): (&str, fn(&Line) -> f64) = match &plan.loading {
+    let (name, of): (&str, fn(&HistoryLine) -> f64) = match &plan.loading {
         Some(loading) if turns(loading) => ("step", |line| line.step as f64),
         _ => ("load factor", |line| line.load_factor),
     };
-    let curve = |name: &str, energy: fn(&Line) -> f64| Curve {
+    let curve = |name: &str, energy: fn(&HistoryLine) -> f64| Curve {
         name: name.to_owned(),
         points: std::iter::once([0.0, 0.0])
             .chain(history.iter().map(|line| [of(line), energy(line)]))
@@ -120,9 +120,9 @@ fn axis(name: &str, unit: &str) -> Axis {
 }
 
 /// The lines of the last phase on the envelope of its path.
-fn on_envelope(history: &[Line]) -> Vec<&Line> {
+fn on_envelope(history: &[HistoryLine]) -> Vec<&HistoryLine> {
     let phase = history.last().map(|line| line.phase);
-    let lines: Vec<&Line> = history.iter().filter(|l| Some(l.phase) == phase).collect();
+    let lines: Vec<&HistoryLine> = history.iter().filter(|l| Some(l.phase) == phase).collect();
     let factors: Vec<f64> = lines.iter().map(|line| line.load_factor).collect();
     envelope(&factors).into_iter().map(|k| lines[k]).collect()
 }

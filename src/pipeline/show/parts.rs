@@ -9,7 +9,7 @@ use crate::output::field::{Field, FieldName};
 use crate::output::pvd;
 use crate::output::vtu::{Part, PartCell};
 use crate::output::write_whole;
-use crate::pipeline::account::made::Made;
+use crate::pipeline::account::written_file::WrittenFile;
 use crate::pipeline::error::ResultsError;
 use crate::pipeline::read::plan::Plan;
 use crate::pipeline::read::spec::OutputField;
@@ -88,8 +88,8 @@ impl Parts<'_> {
         step: Option<usize>,
         folder: &Path,
         trace: &Trace,
-    ) -> Result<Made, ResultsError> {
-        Made::measured(self.file(kind, step), trace, |name| {
+    ) -> Result<WrittenFile, ResultsError> {
+        WrittenFile::measured(self.file(kind, step), trace, |name| {
             let part = match kind {
                 PartKind::Elements => self.elements(frame),
                 PartKind::Points => self.points(frame),

@@ -8,19 +8,19 @@ use super::mesh_picture::mesh_picture;
 use super::results::Outcome;
 use crate::output::picture::{Composition, PictureError};
 use crate::output::write_whole;
-use crate::pipeline::account::made::Made;
+use crate::pipeline::account::written_file::WrittenFile;
 use crate::pipeline::error::ResultsError;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::spec::{Format, PictureKind};
 use crate::pipeline::record::frames::{Frame, read_frame};
-use crate::pipeline::record::solved::Course;
+use crate::pipeline::record::solved::FractureRun;
 use crate::trace::Trace;
 use std::borrow::Cow;
 use std::path::Path;
 
 /// A picture of the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Sheet {
+pub(crate) enum ResultPicture {
     Mesh,
     /// A component of the displacement, of the frame with the largest reaction.
     Displacement(usize),
@@ -34,16 +34,16 @@ pub(crate) enum Sheet {
     Energies,
 }
 
-impl Sheet {
+impl ResultPicture {
     pub fn file(self, format: Format) -> String {
         let stem = match self {
-            Sheet::Mesh => "mesh".to_owned(),
-            Sheet::Displacement(axis) => format!("displacement_{}", ['x', 'y'][axis]),
-            Sheet::Stress(measure) => measure.stem().to_owned(),
-            Sheet::Damage => "damage".to_owned(),
-            Sheet::DamageAt(step) => format!("damage_{step:06}"),
-            Sheet::LoadDisplacement => "load_displacement".to_owned(),
-            Sheet::Energies => "energies".to_owned(),
+            ResultPicture::Mesh => "mesh".to_owned(),
+            ResultPicture::Displacement(axis) => format!("displacement_{}", ['x', 'y'][axis]),
+            ResultPicture::Stress(measure) => measure.stem().to_owned(),
+            ResultPicture::Damage => "damage".to_owned(),
+            ResultPicture::DamageAt(step) => format!("damage_{step:06}"),
+            ResultPicture::LoadDisplacement => "load_displacement".to_owned(),
+            ResultPicture::Energies => "energies".to_owned(),
         };
         match format {
             Format::Png => stem + ".png",
@@ -54,73 +54,76 @@ impl Sheet {
     /// What the reader of a report calls it.
     pub fn describe(self) -> String {
         match self {
-            Sheet::Mesh => "Mesh and regions".to_owned(),
-            Sheet::Displacement(axis) => format!("Displacement u_{}", ['x', 'y'][axis]),
-            Sheet::Stress(measure) => measure.describe().to_owned(),
-            Sheet::Damage => "Damage at the end".to_owned(),
-            Sheet::DamageAt(step) => format!("Damage at step {step}"),
-            Sheet::LoadDisplacement => "Reaction over displacement".to_owned(),
-            Sheet::Energies => "Energies".to_owned(),
+            ResultPicture::Mesh => "Mesh and regions".to_owned(),
+            ResultPicture::Displacement(axis) => format!("Displacement u_{}", ['x', 'y'][axis]),
+            ResultPicture::Stress(measure) => measure.describe().to_owned(),
+            ResultPicture::Damage => "Damage at the end".to_owned(),
+            ResultPicture::DamageAt(step) => format!("Damage at step {step}"),
+            ResultPicture::LoadDisplacement => "Reaction over displacement".to_owned(),
+            ResultPicture::Energies => "Energies".to_owned(),
         }
     }
 }
 
-impl From<PictureKind> for Sheet {
-    fn from(kind: PictureKind) -> Sheet {
+impl From<PictureKind> for ResultPicture {
+    fn from(kind: PictureKind) -> ResultPicture {
         match kind {
-            PictureKind::Mesh => Sheet::Mesh,
-            PictureKind::DisplacementX => Sheet::Displacement(0),
-            PictureKind::DisplacementY => Sheet::Displacement(1),
-            PictureKind::StressXx => Sheet::Stress(Measure::Xx),
-            PictureKind::StressYy => Sheet::Stress(Measure::Yy),
-            PictureKind::StressXy => Sheet::Stress(Measure::Xy),
-            PictureKind::PrincipalStress => Sheet::Stress(Measure::Principal),
-            PictureKind::VonMises => Sheet::Stress(Measure::VonMises),
-            PictureKind::Damage => Sheet::Damage,
-            PictureKind::LoadDisplacement => Sheet::LoadDisplacement,
-            PictureKind::Energies => Sheet::Energies,
+            PictureKind::Mesh => ResultPicture::Mesh,
+            PictureKind::DisplacementX => ResultPicture::Displacement(0),
+            PictureKind::DisplacementY => ResultPicture::Displacement(1),
+            PictureKind::StressXx => ResultPicture::Stress(Measure::Xx),
+            PictureKind::StressYy => ResultPicture::Stress(Measure::Yy),
+            PictureKind::StressXy => ResultPicture::Stress(Measure::Xy),
+            PictureKind::PrincipalStress => ResultPicture::Stress(Measure::Principal),
+            PictureKind::VonMises => ResultPicture::Stress(Measure::VonMises),
+            PictureKind::Damage => ResultPicture::Damage,
+            PictureKind::LoadDisplacement => ResultPicture::LoadDisplacement,
+            PictureKind::Energies => ResultPicture::Energies,
         }
     }
 }
 
 impl Outcome<'_> {
     /// The pictures that there are, in the order in which they are listed.
-    pub(crate) fn sheets(&self) -> Vec<Sheet> {
+    pub(crate) fn result_pictures(&self) -> Vec<ResultPicture> {
         let course = self.solved.fracture.as_ref();
-        let mut sheets = Vec::new();
+        let mut result_pictures = Vec::new();
         for kind in self.plan.output.pictures.kinds() {
             let is_there = match kind {
                 PictureKind::Damage => self.has_damage(),
                 PictureKind::LoadDisplacement | PictureKind::Energies => course.is_some(),
                 _ => true,
             };
-            sheets.extend(is_there.then(|| Sheet::from(kind)));
+            result_pictures.extend(is_there.then(|| ResultPicture::from(kind)));
         }
         // The steps follow the end.
         let pictured = course.map_or_else(Vec::new, |course| self.pictured(course));
-        if let Some(damage) = sheets.iter().position(|sheet| *sheet == Sheet::Damage) {
-            let pictured = pictured.into_iter().map(Sheet::DamageAt);
-            sheets.splice(damage + 1..damage + 1, pictured);
+        if let Some(damage) = result_pictures
+            .iter()
+            .position(|picture| *picture == ResultPicture::Damage)
+        {
+            let pictured = pictured.into_iter().map(ResultPicture::DamageAt);
+            result_pictures.splice(damage + 1..damage + 1, pictured);
         }
-        sheets
+        result_pictures
     }
 
     /// Draws one into `folder`, in each format.
     pub(crate) fn draw(
         &self,
-        sheet: Sheet,
+        picture: ResultPicture,
         formats: &[Format],
         folder: &Path,
         trace: &Trace,
-    ) -> Result<Vec<Made>, RunError> {
+    ) -> Result<Vec<WrittenFile>, RunError> {
         // What the first file takes includes what is drawn.
         let mut drawn = None;
         let mut made = Vec::new();
         for &format in formats {
-            let one = Made::measured(sheet.file(format), trace, |file| {
+            let one = WrittenFile::measured(picture.file(format), trace, |file| {
                 let composition = match drawn.take() {
                     Some(composition) => composition,
-                    None => self.compose(sheet)?,
+                    None => self.compose(picture)?,
                 };
                 let bytes = put(&composition, format, &folder.join(file));
                 drawn = Some(composition);
@@ -131,7 +134,7 @@ impl Outcome<'_> {
         Ok(made)
     }
 
-    fn compose(&self, sheet: Sheet) -> Result<Composition, RunError> {
+    fn compose(&self, picture: ResultPicture) -> Result<Composition, RunError> {
         let Outcome {
             plan,
             model,
@@ -142,31 +145,34 @@ impl Outcome<'_> {
         let last = course.and_then(|course| course.history.last());
         let last_step = last.map(|line| line.step);
         let u = &solved.solution.displacement;
-        let composition = match (sheet, course) {
-            (Sheet::LoadDisplacement, Some(course)) => load_displacement(plan, course).compose(),
-            (Sheet::Energies, Some(course)) => energies(plan, course).compose(),
-            (Sheet::Displacement(axis), _) => {
+        let composition = match (picture, course) {
+            (ResultPicture::LoadDisplacement, Some(course)) => {
+                load_displacement(plan, course).compose()
+            }
+            (ResultPicture::Energies, Some(course)) => energies(plan, course).compose(),
+            (ResultPicture::Displacement(axis), _) => {
                 let frame = self.most_loaded()?;
                 let step = course.map(|_| frame.step);
                 displacement_map(plan, model, axis, step, &frame.displacement).compose()
             }
-            (Sheet::Stress(measure), _) => {
+            (ResultPicture::Stress(measure), _) => {
                 let frame = self.most_loaded()?;
                 let step = course.map(|_| frame.step);
                 stress_map(plan, model, measure, step, &frame).compose()
             }
-            (Sheet::Damage, _) => {
+            (ResultPicture::Damage, _) => {
                 let body = Deformed::new(model, u);
                 damage_picture(plan, &body, last_step, &solved.integrity.to_vec()).compose()
             }
-            (Sheet::DamageAt(step), _) => {
+            (ResultPicture::DamageAt(step), _) => {
                 let frame = read_frame(&plan.folder, model, step)?;
                 let body = Deformed::new(model, &frame.displacement);
                 damage_picture(plan, &body, Some(step), &frame.integrity.to_vec()).compose()
             }
-            (Sheet::Mesh | Sheet::LoadDisplacement | Sheet::Energies, _) => {
-                mesh_picture(plan, model).compose()
-            }
+            (
+                ResultPicture::Mesh | ResultPicture::LoadDisplacement | ResultPicture::Energies,
+                _,
+            ) => mesh_picture(plan, model).compose(),
         };
         Ok(composition.map_err(ResultsError::from)?)
     }
@@ -186,7 +192,7 @@ impl Outcome<'_> {
     }
 
     /// The steps of `output.pictures_at` that the run has come to.
-    fn pictured(&self, course: &Course) -> Vec<usize> {
+    fn pictured(&self, course: &FractureRun) -> Vec<usize> {
         let wanted = |step: &usize| self.plan.output.pictures_at.contains(step);
         course.frames.iter().copied().filter(wanted).collect()
     }
@@ -213,9 +219,9 @@ impl Outcome<'_> {
 }
 
 /// Of the steps with a frame that with the largest reaction.
-fn most_loaded_step(course: &Course) -> Option<usize> {
+fn most_loaded_step(course: &FractureRun) -> Option<usize> {
     let framed =
-        |line: &&crate::pipeline::record::history::Line| course.frames.contains(&line.step);
+        |line: &&crate::pipeline::record::history::HistoryLine| course.frames.contains(&line.step);
     let lines = course.history.iter().filter(framed);
     let most = lines.max_by(|a, b| a.reaction.total_cmp(&b.reaction));
     most.map(|line| line.step)

@@ -3,13 +3,13 @@
 
 mod page;
 
-use super::animation::Reel;
+use super::animation::AnimationFrames;
 use super::charts::load_displacement;
-use super::pictures::Sheet;
+use super::pictures::ResultPicture;
 use super::results::Outcome;
 use crate::output::write_whole;
-use crate::pipeline::account::made::Made;
 use crate::pipeline::account::summary::{Event, FractureSummary, ProbeSummary, Summary};
+use crate::pipeline::account::written_file::WrittenFile;
 use crate::pipeline::error::ResultsError;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::spec::{Control, Format};
@@ -49,16 +49,16 @@ impl Outcome<'_> {
     pub(crate) fn report(
         &self,
         folder: &Path,
-        made: &[Made],
-        reel: Option<&Reel>,
+        made: &[WrittenFile],
+        animation: Option<&AnimationFrames>,
         summary: &Summary,
     ) -> Result<(), RunError> {
         let report = Report {
             title: self.plan.name.clone(),
             outcome: headline(summary),
             numbers: numbers(summary),
-            frames: match reel {
-                Some(reel) => self.frames(reel)?,
+            frames: match animation {
+                Some(animation) => self.frames(animation)?,
                 None => Vec::new(),
             },
             chart: self.chart()?,
@@ -71,10 +71,10 @@ impl Outcome<'_> {
         Ok(write_whole(&path, html.as_bytes())?)
     }
 
-    fn frames(&self, reel: &Reel) -> Result<Vec<FramePicture>, RunError> {
+    fn frames(&self, animation: &AnimationFrames) -> Result<Vec<FramePicture>, RunError> {
         let course = self.solved.fracture.as_ref();
         let mut frames = Vec::new();
-        for (&step, still) in reel.steps.iter().zip(&reel.stills) {
+        for (&step, still) in animation.steps.iter().zip(&animation.stills) {
             let png = still.to_png().map_err(ResultsError::from)?;
             let line = course.and_then(|c| c.history.iter().find(|line| line.step == step));
             let text = match line {
@@ -131,22 +131,23 @@ impl Outcome<'_> {
     }
 
     /// The pictures as they were written; those of chosen steps are the slider's business.
-    fn figures(&self, folder: &Path, made: &[Made]) -> Vec<Figure> {
-        let sheets = self.sheets().into_iter();
-        let sheets = sheets.filter(|sheet| !matches!(sheet, Sheet::DamageAt(_)));
-        let figure = |sheet: Sheet| {
+    fn figures(&self, folder: &Path, made: &[WrittenFile]) -> Vec<Figure> {
+        let result_pictures = self.result_pictures().into_iter();
+        let result_pictures =
+            result_pictures.filter(|picture| !matches!(picture, ResultPicture::DamageAt(_)));
+        let figure = |picture: ResultPicture| {
             let formats = [(Format::Png, "image/png"), (Format::Svg, "image/svg+xml")];
-            let mut there = formats.into_iter().map(|(f, kind)| (sheet.file(f), kind));
+            let mut there = formats.into_iter().map(|(f, kind)| (picture.file(f), kind));
             let (file, kind) = there.find(|(file, _)| made.iter().any(|m| m.name == *file))?;
             // Written a moment ago; a page without it is still a page.
             let bytes = fs::read(folder.join(file)).ok()?;
             Some(Figure {
-                caption: sheet.describe(),
+                caption: picture.describe(),
                 kind,
                 bytes,
             })
         };
-        sheets.filter_map(figure).collect()
+        result_pictures.filter_map(figure).collect()
     }
 
     fn inputs(&self) -> Vec<Input> {

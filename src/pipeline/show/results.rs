@@ -1,13 +1,13 @@
 //! What a run leaves in `results/NAME/`: VTU parts and their PVD, pictures.
 
-use super::animation::Reel;
+use super::animation::AnimationFrames;
+use super::output_files::OutputFiles;
 use super::parts::{Parts, has_damage};
-use super::workshop::Workshop;
 use crate::boundary::Boundary;
 use crate::gmsh::Extract;
 use crate::model::Model;
 use crate::phases::Phases;
-use crate::pipeline::account::made::Made;
+use crate::pipeline::account::written_file::WrittenFile;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::Plan;
 use crate::pipeline::record::solved::Solved;
@@ -33,29 +33,29 @@ impl Outcome<'_> {
         &self,
         folder: &Path,
         phases: &mut Phases,
-    ) -> Result<(Vec<Made>, Option<Reel>), RunError> {
-        let workshop = Workshop {
+    ) -> Result<(Vec<WrittenFile>, Option<AnimationFrames>), RunError> {
+        let files = OutputFiles {
             outcome: self,
             folder,
             trace: phases.trace().clone(),
         };
-        let mut made = phases.measure("vtu", || workshop.parts())?;
-        made.push(workshop.view()?);
+        let mut made = phases.measure("vtu", || files.parts())?;
+        made.push(files.view()?);
         if !self.plan.output.pictures.is_none() {
-            made.extend(phases.measure("pictures", || workshop.pictures())?);
+            made.extend(phases.measure("pictures", || files.pictures())?);
         }
         let output = &self.plan.output;
         let is_shown = output.is_animated() || output.is_reported();
         let Some(course) = self.solved.fracture.as_ref().filter(|_| is_shown) else {
             return Ok((made, None));
         };
-        let draw = || Reel::new(self.plan, self.model, course);
-        let reel = phases.measure("animation", draw)?;
+        let draw = || AnimationFrames::new(self.plan, self.model, course);
+        let animation = phases.measure("animation", draw)?;
         if output.is_animated() {
-            let film = || reel.film(folder, &workshop.trace);
+            let film = || animation.film(folder, &files.trace);
             made.push(phases.measure("animation", film)?);
         }
-        Ok((made, Some(reel)))
+        Ok((made, Some(animation)))
     }
 
     pub(crate) fn parts(&self) -> Parts<'_> {

@@ -9,7 +9,7 @@ use crate::pipeline::account::summary::{
     Event, FractureSummary, InterfaceSummary, LatticeSummary, ProbeSummary, Sizes, Summary,
 };
 use crate::pipeline::read::plan::Probe;
-use crate::pipeline::record::history::Line;
+use crate::pipeline::record::history::HistoryLine;
 use crate::statics::group_reactions;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -151,8 +151,8 @@ impl Outcome<'_> {
     }
 }
 
-impl From<&Line> for Event {
-    fn from(line: &Line) -> Event {
+impl From<&HistoryLine> for Event {
+    fn from(line: &HistoryLine) -> Event {
         Event {
             step: line.step,
             load_factor: line.load_factor,
@@ -164,9 +164,9 @@ impl From<&Line> for Event {
 
 /// The largest load of the last phase that stood alone on the path: there, a load that only grows would
 /// have broken the body.
-fn envelope_peak(history: &[Line]) -> Option<Event> {
+fn envelope_peak(history: &[HistoryLine]) -> Option<Event> {
     let phase = history.last()?.phase;
-    let lines: Vec<&Line> = history.iter().filter(|line| line.phase == phase).collect();
+    let lines: Vec<&HistoryLine> = history.iter().filter(|line| line.phase == phase).collect();
     let factors: Vec<f64> = lines.iter().map(|line| line.load_factor).collect();
     let peak = lines[peak(&factors)?];
     Some(Event::from(peak))

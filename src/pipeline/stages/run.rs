@@ -29,7 +29,7 @@ use crate::pipeline::record::sparse_integrity::SparseIntegrity;
 use crate::pipeline::record::stamp::{self, Manifest, Reasons, Recipe, Stage};
 use crate::pipeline::record::stored::read_stored;
 use crate::pipeline::record::writer::forget_checkpoint;
-use crate::pipeline::record::writer::{HISTORY_FILE, Written};
+use crate::pipeline::record::writer::{HISTORY_FILE, WrittenRecord};
 use crate::pipeline::show::damage_picture::DAMAGE_PICTURE;
 use crate::pipeline::show::report::REPORT_FILE;
 use crate::pipeline::show::results::Outcome;
@@ -378,7 +378,7 @@ impl Run<'_> {
             recipe: &recipe,
             resolution: self.options.resolution,
         };
-        let (solved, Written { frames, phases }) =
+        let (solved, WrittenRecord { frames, phases }) =
             fracture::run(&task, self.observer, &mut costs.phases)?;
         costs.behind = phases;
         costs.frames = Some(FilesSummary::new(&frames, ""));
@@ -416,7 +416,7 @@ impl Run<'_> {
             phases: self.phases(),
             ..Costs::default()
         };
-        let (made, reel) = outcome.write(draft.path(), &mut costs.phases)?;
+        let (made, animation) = outcome.write(draft.path(), &mut costs.phases)?;
 
         costs.phases.complete(start.elapsed());
         costs.peak_memory = peak_memory();
@@ -432,7 +432,7 @@ impl Run<'_> {
         let text = serde_json::to_string_pretty(&summary).expect("a summary is plain data") + "\n";
         write_whole(&draft.path().join(SUMMARY_FILE), text.as_bytes())?;
         if self.plan.output.is_reported() {
-            outcome.report(draft.path(), &self.costs.made, reel.as_ref(), &summary)?;
+            outcome.report(draft.path(), &self.costs.made, animation.as_ref(), &summary)?;
         }
         let obsolete = self.begin(Stage::Output, &files)?;
         for file in &files {

@@ -4,7 +4,7 @@ use super::parts::{PartKind, Parts};
 use super::results::Outcome;
 use super::view::VIEW_FILE;
 use crate::output::{pvd, write_whole};
-use crate::pipeline::account::made::Made;
+use crate::pipeline::account::written_file::WrittenFile;
 use crate::pipeline::error::ResultsError;
 use crate::pipeline::error::RunError;
 use crate::pipeline::record::frames::{Frame, read_frame};
@@ -12,7 +12,7 @@ use crate::trace::Trace;
 use rayon::prelude::*;
 use std::path::Path;
 
-pub(crate) struct Workshop<'a> {
+pub(crate) struct OutputFiles<'a> {
     pub outcome: &'a Outcome<'a>,
     /// Where the files go.
     pub folder: &'a Path,
@@ -22,9 +22,9 @@ pub(crate) struct Workshop<'a> {
 /// Moments are written side by side until they take so much memory [bytes].
 const MEMORY: usize = 1 << 28;
 
-impl Workshop<'_> {
+impl OutputFiles<'_> {
     /// One set of parts, or one for each frame of a fracture run; and the series.
-    pub fn parts(&self) -> Result<Vec<Made>, RunError> {
+    pub fn parts(&self) -> Result<Vec<WrittenFile>, RunError> {
         let parts = self.outcome.parts();
         let steps: Vec<Option<usize>> = match &self.outcome.solved.fracture {
             None => vec![None],
@@ -35,12 +35,12 @@ impl Workshop<'_> {
             let of_step = |&step: &Option<usize>| self.parts_of(&parts, step);
             made.extend(in_order(some.par_iter().map(of_step))?);
         }
-        let mut made: Vec<Made> = made.into_iter().flatten().collect();
+        let mut made: Vec<WrittenFile> = made.into_iter().flatten().collect();
         made.push(self.series(&parts, &steps)?);
         Ok(made)
     }
 
-    fn parts_of(&self, parts: &Parts, step: Option<usize>) -> Result<Vec<Made>, RunError> {
+    fn parts_of(&self, parts: &Parts, step: Option<usize>) -> Result<Vec<WrittenFile>, RunError> {
         let kinds = parts.kinds();
         let frame = self.frame(step)?;
         let write = |&kind: &PartKind| parts.write(kind, &frame, step, self.folder, &self.trace);
@@ -65,10 +65,10 @@ impl Workshop<'_> {
         }
     }
 
-    fn series(&self, parts: &Parts, steps: &[Option<usize>]) -> Result<Made, ResultsError> {
+    fn series(&self, parts: &Parts, steps: &[Option<usize>]) -> Result<WrittenFile, ResultsError> {
         let entries: Vec<pvd::Entry> = steps.iter().flat_map(|&s| parts.entries(s)).collect();
         let name = format!("{}.pvd", self.outcome.plan.name);
-        Made::measured(name, &self.trace, |name| {
+        WrittenFile::measured(name, &self.trace, |name| {
             let xml = pvd::to_xml(&entries)?;
             write_whole(&self.folder.join(name), xml.as_bytes())?;
             Ok([xml.len() as u64; 2])
@@ -76,8 +76,8 @@ impl Workshop<'_> {
     }
 
     /// The script that shows the parts.
-    pub fn view(&self) -> Result<Made, ResultsError> {
-        Made::measured(VIEW_FILE.to_owned(), &self.trace, |name| {
+    pub fn view(&self) -> Result<WrittenFile, ResultsError> {
+        WrittenFile::measured(VIEW_FILE.to_owned(), &self.trace, |name| {
             let text = self.outcome.view();
             write_whole(&self.folder.join(name), text.as_bytes())?;
             Ok([text.len() as u64; 2])
@@ -85,11 +85,14 @@ impl Workshop<'_> {
     }
 
     /// The pictures that there are to make.
-    pub fn pictures(&self) -> Result<Vec<Made>, RunError> {
-        let sheets = self.outcome.sheets();
+    pub fn pictures(&self) -> Result<Vec<WrittenFile>, RunError> {
+        let result_pictures = self.outcome.result_pictures();
         let formats = self.outcome.plan.output.formats();
-        let draw = |&sheet| self.outcome.draw(sheet, &formats, self.folder, &self.trace);
-        let made = in_order(sheets.par_iter().map(draw))?;
+        let draw = |&picture| {
+            self.outcome
+                .draw(picture, &formats, self.folder, &self.trace)
+        };
+        let made = in_order(result_pictures.par_iter().map(draw))?;
         Ok(made.into_iter().flatten().collect())
     }
 }

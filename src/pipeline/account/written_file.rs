@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 /// A file that was written, under its final name in some folder.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Made {
+pub struct WrittenFile {
     pub name: String,
     /// Of the numbers in it, as they are in memory.
     pub raw_bytes: u64,
@@ -14,18 +14,18 @@ pub struct Made {
     pub time: Duration,
 }
 
-impl Made {
+impl WrittenFile {
     /// Records what `make` takes; it gives the bytes of the numbers and of the file.
     pub fn measured<E>(
         name: String,
         trace: &Trace,
         make: impl FnOnce(&str) -> Result<[u64; 2], E>,
-    ) -> Result<Made, E> {
+    ) -> Result<WrittenFile, E> {
         let start = Instant::now();
         let [raw_bytes, bytes] = make(&name)?;
         let time = start.elapsed();
         trace.record(Kind::File, name.clone(), start, time);
-        Ok(Made {
+        Ok(WrittenFile {
             name,
             raw_bytes,
             bytes,

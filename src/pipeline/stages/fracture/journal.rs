@@ -1,0 +1,148 @@
+//! What a fracture run has recorded so far, and how a run that was interrupted goes on from it.
+
+use crate::fracture::control::{Problem, Record};
+use crate::fracture::crack_length::crack_lengths;
+use crate::fracture::response::Response;
+use crate::fracture::state::State;
+use crate::pipeline::error::RunError;
+use crate::pipeline::read::plan::Plan;
+use crate::pipeline::record::checkpoint::{Checkpoint, RecordHash};
+use crate::pipeline::record::folder::file_error;
+use crate::pipeline::record::frames::{FRAMES_FOLDER, Frame, encode, forget_frames, frame_file};
+use crate::pipeline::record::history::{HistoryLine, header};
+use crate::pipeline::record::stamp;
+use crate::pipeline::record::writer::{begin_history, read_journal};
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The course of the run so far.
+pub(super) struct RunJournal<'a> {
+    pub plan: &'a Plan,
+    pub problem: &'a Problem<'a>,
+    recipe: String,
+    pub history: Vec<HistoryLine>,
+    /// Steps that have a frame.
+    pub frames: Vec<usize>,
+    /// Crack length that each interaction adds when it breaks [m].
+    crack_lengths: Vec<f64>,
+    initial_length: f64,
+}
+
+impl<'a> RunJournal<'a> {
+    pub fn new(plan: &'a Plan, problem: &'a Problem<'a>, recipe: String) -> RunJournal<'a> {
+        let crack_lengths = crack_lengths(problem.model, problem.laws);
+        let severed = (problem.model.integrity.iter())
+            .zip(&crack_lengths)
+            .filter(|(phi, _)| **phi == 0.0);
+        let initial_length = severed.map(|(_, length)| length).sum();
+        RunJournal {
+            plan,
+            problem,
+            recipe,
+            history: Vec::new(),
+            frames: Vec::new(),
+            crack_lengths,
+            initial_length,
+        }
+    }
+
+    /// The state of the checkpoint, if it is of this recipe; history and frames go on from there.
+    pub fn resume(
+        &mut self,
+        checkpoint: Option<Checkpoint>,
+    ) -> Result<Option<(State, RecordHash)>, RunError> {
+        let folder = &self.plan.folder;
+        let stored = checkpoint.filter(|found| found.recipe == self.recipe);
+        let stored = stored.and_then(|checkpoint| {
+            let lines = read_journal(folder, checkpoint.lines)?;
+            let record_hash = record_hash(folder, &lines, &checkpoint.frames)?;
+            let is_whole = record_hash.close() == checkpoint.record_hash;
+            (is_whole && checkpoint.fits(self.problem, &lines)).then_some((
+                checkpoint,
+                lines,
+                record_hash,
+            ))
+        });
+        if let Some((checkpoint, lines, _)) = &stored {
+            self.history.clone_from(lines);
+            self.frames.clone_from(&checkpoint.frames);
+        } else {
+            forget_frames(folder)?;
+            let frames = folder.join(FRAMES_FOLDER);
+            fs::create_dir_all(&frames).map_err(|source| file_error("create", &frames, source))?;
+        }
+        let mut text = header(self.problem.programme.supports()) + "\n";
+        for line in &self.history {
+            text += &(self.csv(line) + "\n");
+        }
+        begin_history(folder, &text, &self.history)?;
+        Ok(stored.map(|(checkpoint, _, record_hash)| {
+            (checkpoint.into_state(self.problem.model), record_hash)
+        }))
+    }
+
+    pub fn csv(&self, line: &HistoryLine) -> String {
+        line.csv(&self.problem.programme.phases[line.phase].name)
+    }
+
+    pub fn checkpoint(&self, state: &State) -> Box<Checkpoint> {
+        let checkpoint = Checkpoint::new(&self.recipe, state, self.history.len(), &self.frames);
+        Box::new(checkpoint)
+    }
+
+    /// The frame of a state that has none yet.
+    pub fn frame(&mut self, state: &State) -> Option<Arc<Frame>> {
+        let is_new = self.frames.last() != Some(&state.step);
+        is_new.then(|| {
+            self.frames.push(state.step);
+            Arc::new(Frame::new(self.problem.model, state))
+        })
+    }
+
+    pub fn line(&self, state: &State, record: Record, response: &Response) -> HistoryLine {
+        let programme = self.problem.programme;
+        let reactions = response
+            .values()
+            .resultants(programme.phases.len(), state.load);
+        let before = self.history.last();
+        let length = before.map_or(self.initial_length, |line| line.crack_length);
+        let changes = &state.changes[state.changes.len() - record.changed..];
+        let grown = changes.iter().map(|change| {
+            let [phi, next] = change.integrity;
+            (phi - next) * self.crack_lengths[change.interaction as usize]
+        });
+        HistoryLine {
+            step: state.step,
+            phase: state.phase,
+            load_factor: state.load.factor,
+            envelope_load_factor: state.envelope,
+            load_share: state.load.share,
+            grip_displacement: programme.largest_prescribed(state.phase, state.load),
+            reaction: (reactions.iter())
+                .map(|[x, y]| x.hypot(*y))
+                .fold(0.0, f64::max),
+            elastic_energy: state.energy.elastic,
+            dissipated_energy: state.energy.dissipated,
+            external_work: state.energy.external,
+            bonds_broken: record.broken,
+            bonds_broken_total: before.map_or(0, |line| line.bonds_broken_total) + record.broken,
+            passes: record.passes,
+            residual: record.residual,
+            crack_length: length + grown.sum::<f64>(),
+            reactions,
+        }
+    }
+}
+
+/// Of what lies in the folder, if all frames do.
+fn record_hash(folder: &Path, lines: &[HistoryLine], frames: &[usize]) -> Option<RecordHash> {
+    let mut record_hash = RecordHash::default();
+    lines
+        .iter()
+        .for_each(|line| record_hash.add_line(&encode(line)));
+    for &step in frames {
+        record_hash.add_frame(&stamp::hash_file(&folder.join(frame_file(step)))?);
+    }
+    Some(record_hash)
+}

@@ -1,0 +1,146 @@
+//! What a step of a fracture run leaves, on its way to the thread that writes it.
+
+use super::journal::RunJournal;
+use crate::fracture::control::{Ending, Record};
+use crate::fracture::response::Response;
+use crate::fracture::state::State;
+use crate::phases::Phases;
+use crate::pipeline::error::RunError;
+use crate::pipeline::read::spec::Output;
+use crate::pipeline::record::solved::{FractureRun, Solved};
+use crate::pipeline::record::sparse_integrity::SparseIntegrity;
+use crate::pipeline::record::writer::{RecordWriter, StepRecord, WrittenRecord};
+use crate::pipeline::show::live_picture::LivePicture;
+use crate::statics::{Solution, Solver};
+use crate::trace::Trace;
+use std::time::Instant;
+
+/// Hands history, frames and checkpoints over to the threads behind the solve.
+pub(super) struct Recorder<'a, 'scope> {
+    pub journal: RunJournal<'a>,
+    /// Until it meets an error, or the end.
+    writer: Option<RecordWriter<'scope>>,
+    picture: LivePicture<'scope, 'a>,
+    /// What the solve spends on it.
+    handed_over: Phases,
+}
+
+/// The phase of copying a state and of waiting for room in the queue.
+const HAND_OVER: &str = "hand over";
+
+impl<'a, 'scope> Recorder<'a, 'scope> {
+    pub fn new(
+        journal: RunJournal<'a>,
+        writer: RecordWriter<'scope>,
+        picture: LivePicture<'scope, 'a>,
+        trace: Trace,
+    ) -> Recorder<'a, 'scope> {
+        Recorder {
+            journal,
+            writer: Some(writer),
+            picture,
+            handed_over: Phases::traced(trace),
+        }
+    }
+
+    /// The state before the first step.
+    pub fn begin(&mut self, state: &State) -> Result<(), RunError> {
+        let frame = self.journal.frame(state);
+        let checkpoint = Some(self.journal.checkpoint(state));
+        self.give(StepRecord {
+            line: None,
+            frame,
+            checkpoint,
+        })
+    }
+
+    pub fn step(
+        &mut self,
+        state: &State,
+        record: Record,
+        response: &Response,
+    ) -> Result<(), RunError> {
+        let start = Instant::now();
+        let RunJournal { plan, problem, .. } = self.journal;
+        let first_break = record.changed > 0 && state.changes.len() == record.changed;
+        let line = self.journal.line(state, record, response);
+        self.journal.history.push(line.clone());
+        let Output {
+            every, pictures_at, ..
+        } = &plan.output;
+        let is_pictured = pictures_at.contains(&state.step);
+        let wants_frame = first_break || is_pictured || state.step.is_multiple_of(*every);
+        let settled = wants_frame.then(|| state.settled(problem, response));
+        let frame = settled.and_then(|state| self.journal.frame(&state));
+        let checkpoint = response
+            .is_reproducible(state)
+            .then(|| self.journal.checkpoint(state));
+        self.give(StepRecord {
+            line: Some((self.journal.csv(&line), line)),
+            frame,
+            checkpoint,
+        })?;
+        self.picture.update(state);
+        self.handed_over.note(HAND_OVER, start);
+        Ok(())
+    }
+
+    /// The state behind the last step.
+    pub fn end(&mut self, state: &State) -> Result<(), RunError> {
+        let frame = self.journal.frame(state);
+        self.give(StepRecord {
+            frame,
+            ..StepRecord::default()
+        })
+    }
+
+    pub fn give(&mut self, order: StepRecord) -> Result<(), RunError> {
+        let writer = self.writer.take_if(|writer| !writer.give(order));
+        writer.map_or(Ok(()), |writer| writer.finish().map(|_| ()))
+    }
+
+    pub fn finish(
+        self,
+        state: &State,
+        ending: Ending,
+        phases: &mut Phases,
+    ) -> Result<(Solved, WrittenRecord), RunError> {
+        let Recorder {
+            journal,
+            writer,
+            handed_over,
+            ..
+        } = self;
+        phases.append(handed_over.list);
+        let model = journal.problem.model;
+        let size = match state.size {
+            Some(size) => size,
+            // No step was possible.
+            None => {
+                let supports = journal.problem.programme.supports();
+                Solver::new(journal.problem.model, supports, phases)?.size()
+            }
+        };
+        let writer = writer.expect("an error of the writer ends the run where it is met");
+        let written = phases.measure(HAND_OVER, || writer.finish())?;
+        let solution = Solution {
+            displacement: model.in_space(&state.displacement),
+            reaction: model.in_space(&state.reaction),
+            residual: state.residual,
+            size,
+        };
+        let course = FractureRun {
+            history: journal.history,
+            frames: journal.frames,
+            ending,
+            fragments: state.fragments.iter().map(Vec::len).collect(),
+            reason: state.stopped.as_ref().map(|(_, reason)| reason.clone()),
+        };
+        let solved = Solved {
+            solution,
+            integrity: SparseIntegrity::new(&state.integrity),
+            fracture: Some(course),
+        };
+        Ok((solved, written))
+    }
+}

@@ -237,7 +237,7 @@ fn factorisation(ordering: Ordering, pattern: &Pattern, matrix: &LowerMatrix, ma
         order();
     });
     row(&format!("ordering: {ordering:?}"), time, memory, None);
-    let analyse = || Symbolic::with_order(pattern.symbolic(), &nodes);
+    let analyse = || Symbolic::<2>::with_order(pattern.symbolic(), &nodes);
     let (symbolic, memory) = gained(analyse);
     let time = median(|| {
         analyse();

@@ -16,7 +16,6 @@
 //! (i64), column starts and rows (i32), values (f64). Those that are not installed are left out.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::perm::Perm;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymmetricOrdering, factorize_symbolic_cholesky,
@@ -25,8 +24,9 @@ use faer::{Conj, MatMut, Par, Side};
 use peristitch::assembly::{LowerMatrix, Pattern};
 use peristitch::geometry::Outline;
 use peristitch::linear_solver::cholesky::Symbolic;
-use peristitch::linear_solver::ordering::{Ordering, elimination_order};
-use peristitch::linear_solver::supernodes::Supernodes;
+use peristitch::linear_solver::ordering::{
+    Ordering, dof_permutation, elimination_order, postordered,
+};
 use peristitch::material::{Material, PlaneState};
 use peristitch::peridynamics::bonds::bonds;
 use peristitch::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
@@ -300,8 +300,10 @@ fn write(matrix: &LowerMatrix, path: &Path) {
 /// The same as the rivals do.
 fn ours(side: usize) {
     let (pattern, matrix) = lattice(side);
-    let analyse =
-        || Symbolic::new(pattern.symbolic(), &pattern.graph, Ordering::Metis).expect("METIS works");
+    let analyse = || {
+        Symbolic::<2>::new(pattern.symbolic(), &pattern.graph, Ordering::Metis)
+            .expect("METIS works")
+    };
     let symbolic = measure("analysis", 1, || (), |()| analyse());
     let factor = measure(
         "numeric",
@@ -350,10 +352,8 @@ fn faer(side: usize, threads: usize) {
     };
     let analyse = || {
         let order = elimination_order(Ordering::Metis, &pattern.graph).expect("METIS works");
-        let supernodes = Supernodes::new(pattern.symbolic(), &order);
-        let forward: Vec<u32> = (0..n).map(|column| supernodes.dof(column) as u32).collect();
-        let inverse: Vec<u32> = (0..n).map(|dof| supernodes.column(dof) as u32).collect();
-        let order = Perm::new_checked(forward.into(), inverse.into(), n);
+        let order = postordered::<2>(pattern.symbolic(), &order);
+        let order = dof_permutation::<2>(&order);
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()

@@ -11,16 +11,20 @@ mod parts;
 mod turn;
 
 pub use lists::Lists;
-pub use lower_matrix::LowerMatrix;
+pub use lower_matrix::{LowerMatrix, lower_pattern};
 
 use crate::interactions::Interactions;
 use column::{Column, add_to, pair_block};
 use faer::sparse::{SymbolicSparseColMat, SymbolicSparseColMatRef};
+use lower_matrix::above_diagonal;
 use nalgebra::DMatrix;
 use parts::{PARTS, column_parts, part_bound};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
+
+/// Unknowns of a node: its displacements along x and y.
+pub const UNKNOWNS: usize = 2;
 
 /// An element's nodes and its stiffness [N/m], two rows per node.
 #[derive(Clone, Debug)]
@@ -90,7 +94,7 @@ impl Pattern {
             neighbours.sort_unstable();
             neighbours.dedup();
         });
-        let symbolic = Arc::new(lower_pattern(&graph));
+        let symbolic = Arc::new(lower_pattern::<UNKNOWNS>(&graph));
         Pattern {
             graph: Arc::new(graph),
             pairs_at,
@@ -104,7 +108,7 @@ impl Pattern {
         self.graph.len()
     }
 
-    /// Where the entries of the lower triangle are.
+    /// The places of the entries of the lower triangle.
     pub fn symbolic(&self) -> SymbolicSparseColMatRef<'_, u32> {
         SymbolicSparseColMat::as_ref(&self.symbolic)
     }
@@ -124,7 +128,7 @@ impl Pattern {
         self.assemble_with(positions, interactions, |_| 1.0, elements)
     }
 
-    /// The same with the `integrity` φ of every interaction [-].
+    /// The lower triangle of K with the `integrity` φ of every interaction [-].
     pub fn assemble_with(
         &self,
         positions: &[[f64; 2]],
@@ -203,7 +207,7 @@ impl Pattern {
         }
     }
 
-    /// What is gathered at one node; `diagonal` gets what each interaction between two nodes adds to those of
+    /// Gathers the interactions and elements of one node; `diagonal` gets what each interaction between two nodes adds to those of
     /// both, with the higher one.
     fn gather(
         &self,
@@ -278,50 +282,6 @@ impl Pattern {
         };
         parts.into_iter().map(take).collect()
     }
-}
-
-fn above_diagonal(graph: &Lists, node: usize) -> &[u32] {
-    let neighbours = graph.of(node);
-    &neighbours[neighbours.partition_point(|&n| (n as usize) < node)..]
-}
-
-/// Columns 2j and 2j + 1: the 2 × 2 block of node j, then those of its higher neighbours.
-fn lower_pattern(graph: &Lists) -> SymbolicSparseColMat<u32> {
-    let n = graph.len();
-    let mut start = Vec::with_capacity(2 * n + 1);
-    start.push(0);
-    let mut next = 0;
-    for node in 0..n {
-        let below = 2 * above_diagonal(graph, node).len() as u32;
-        for own in [2, 1] {
-            next += own + below;
-            start.push(next);
-        }
-    }
-    let mut rows = vec![0; next as usize];
-    let mut rest = rows.as_mut_slice();
-    let columns = (0..n).map(|node| {
-        let length = (start[2 * node + 2] - start[2 * node]) as usize;
-        let (columns, after) = std::mem::take(&mut rest).split_at_mut(length);
-        rest = after;
-        columns
-    });
-    let columns: Vec<&mut [u32]> = columns.collect();
-    let fill = |(node, rows): (usize, &mut [u32])| {
-        let mut rows = rows.iter_mut();
-        let mut push = |row| *rows.next().expect("rows are counted") = row;
-        let diagonal = 2 * node as u32;
-        for first in [diagonal, diagonal + 1] {
-            (first..diagonal + 2).for_each(&mut push);
-            for &neighbour in above_diagonal(graph, node) {
-                push(2 * neighbour);
-                push(2 * neighbour + 1);
-            }
-        }
-    };
-    let columns = columns.into_par_iter().enumerate();
-    columns.with_min_len(64).for_each(fill);
-    SymbolicSparseColMat::new_checked(2 * n, 2 * n, start, None, rows)
 }
 
 #[cfg(test)]

@@ -4,27 +4,35 @@
 //! There are three backends: the program's own Cholesky factorisation, conjugate gradients for systems whose
 //! factors would be too large, and the factorisation of the crate faer, which the own one is compared with.
 
+mod amalgamation;
 pub mod cholesky;
 pub mod columns;
 pub mod compliance;
 mod elimination_tree;
 mod extend_add;
 pub mod faer;
+mod fronts;
 pub mod held;
 mod kernels;
 mod metis;
 mod multifrontal;
+mod node_blocks;
 pub mod ordering;
 mod path;
+pub(crate) mod policy;
+pub(crate) mod rates;
 mod refactorisation;
-pub mod supernodes;
+mod supernodes;
 pub mod tiles;
 mod triangular;
 pub mod two_level;
+mod update_memory;
 
 use crate::assembly::{Lists, LowerMatrix};
 use compliance::UnitLoads;
-use held::Held;
+use held::HeldDofs;
+use policy::MOST_FACTOR_ENTRIES;
+use rates::ENTRIES_PER_LINK;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -39,7 +47,7 @@ pub enum SolverError {
     NotPositiveDefinite { dof: usize },
 }
 
-/// What systems are solved by.
+/// A backend that solves systems.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Backend {
     /// The program's own multifrontal Cholesky factorisation, [`cholesky`].
@@ -50,16 +58,13 @@ pub enum Backend {
     Faer,
 }
 
-/// Systems whose L is expected to have more entries than these, 4 GB, are solved on two levels.
-const MOST_FACTOR_ENTRIES: f64 = 5e8;
-
 impl Backend {
     pub const ALL: [Backend; 3] = [Backend::Multifrontal, Backend::TwoLevel, Backend::Faer];
 
-    /// The backend that suits the size of L.
-    pub fn choose(graph: &Lists) -> Backend {
+    /// The backend that suits the size of L, with `B` unknowns for each node of the graph.
+    pub fn choose<const B: usize>(graph: &Lists) -> Backend {
         let links = graph.parts().1.len();
-        if expected_factor_entries(graph.len(), links) <= MOST_FACTOR_ENTRIES {
+        if expected_factor_entries::<B>(graph.len(), links) <= MOST_FACTOR_ENTRIES {
             Backend::Multifrontal
         } else {
             Backend::TwoLevel
@@ -77,14 +82,14 @@ impl Backend {
 }
 
 /// Entries of L that nested dissection leaves of a graph in the plane of n nodes with d neighbours each,
-/// some 3 n d (log2(n/d) − 2): the law is George's (1973), the numbers are fitted to lattices
-/// (docs/performance.md). Two dofs per node; `links`: n d.
-pub fn expected_factor_entries(nodes: usize, links: usize) -> f64 {
+/// some B² n d (log2(n/d) − 2) for B unknowns of a node: the law is George's (1973), the numbers are fitted to
+/// lattices (docs/performance.md). `links`: n d.
+pub fn expected_factor_entries<const B: usize>(nodes: usize, links: usize) -> f64 {
     let (nodes, links) = (nodes as f64, links as f64);
-    3.07 * links * ((nodes * nodes / links).log2() - 2.0).max(1.0)
+    (B * B) as f64 * ENTRIES_PER_LINK * links * ((nodes * nodes / links).log2() - 2.0).max(1.0)
 }
 
-/// What a factorisation takes.
+/// The size of a factorisation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FactorSize {
     /// Stored entries of L; on two levels those that L of the coarse level is expected to have.
@@ -109,12 +114,12 @@ pub trait SymmetricSolver: Send + Sync {
     fn factorise(
         &self,
         stiffness: &LowerMatrix,
-        held: Held,
+        held: HeldDofs,
         likely: &[u32],
     ) -> Result<Box<dyn Factorisation>, SolverError>;
 }
 
-/// Factors of K, or what takes their place. Every backend solves; the other methods are capabilities, which a
+/// Factors of K, or a preconditioner that takes their place. Every backend solves; the other methods are capabilities, which a
 /// backend without them answers by the methods written here.
 pub trait Factorisation: Send + Sync {
     /// Overwrites each of some right-hand sides, one after the other, by a solution x. An iterative backend ends
@@ -140,7 +145,7 @@ pub trait Factorisation: Send + Sync {
     fn refactorise(
         &mut self,
         _stiffness: &LowerMatrix,
-        _held: Held,
+        _held: HeldDofs,
         _nodes: &[u32],
     ) -> Result<bool, SolverError> {
         Ok(false)
@@ -151,7 +156,7 @@ pub trait Factorisation: Send + Sync {
         None
     }
 
-    /// Whether there are [`Factorisation::unit_loads`], and with them compliances of few dofs.
+    /// True if the backend has [`Factorisation::unit_loads`], and with them the compliances of few dofs.
     fn has_compliances(&self) -> bool {
         false
     }

@@ -8,14 +8,16 @@ mod common;
 use common::*;
 use faer::Side;
 use faer::linalg::solvers::Solve;
-use peristitch::assembly::{LowerMatrix, Pattern};
+use peristitch::assembly::{Lists, LowerMatrix, Pattern, lower_pattern};
 use peristitch::linear_solver::SolverError;
-use peristitch::linear_solver::cholesky::Symbolic;
+use peristitch::linear_solver::cholesky::{Factor, Symbolic};
+use peristitch::linear_solver::held::HeldDofs;
 use peristitch::linear_solver::ordering::Ordering;
 use peristitch::material::PlaneState;
 use peristitch::mesh::CellKind;
 use peristitch::model::{Method, Model};
 use peristitch::peridynamics::lattice::Placement;
+use std::sync::Arc;
 
 const TOLERANCE: f64 = 1e-10;
 
@@ -55,8 +57,8 @@ fn system(model: &Model) -> (Pattern, LowerMatrix) {
     (pattern, matrix)
 }
 
-fn symbolic(pattern: &Pattern, ordering: Ordering) -> Symbolic {
-    Symbolic::new(pattern.symbolic(), &pattern.graph, ordering).expect("an order")
+fn symbolic(pattern: &Pattern, ordering: Ordering) -> Symbolic<2> {
+    Symbolic::<2>::new(pattern.symbolic(), &pattern.graph, ordering).expect("an order")
 }
 
 fn loads(n: usize, columns: usize) -> Vec<f64> {
@@ -195,4 +197,104 @@ fn compliances_are_those_of_whole_solutions() {
             assert!(off < 1e-12 * largest, "{row} {column}: {off:e}");
         }
     }
+}
+
+/// A square of `side` × `side` nodes, each tied to the eight around it, with `B` unknowns: for one unknown a
+/// Laplacian on soft ground, for more with blocks that are not symmetric.
+fn square<const B: usize>(side: usize) -> (Lists, LowerMatrix) {
+    let near = |&(a, b): &(usize, usize)| {
+        let [x, y] = [a % side, a / side].map(|k| k as i64);
+        let [u, v] = [b % side, b / side].map(|k| k as i64);
+        a != b && (x - u).abs() <= 1 && (y - v).abs() <= 1
+    };
+    let n = side * side;
+    let pairs: Vec<(usize, usize)> = (0..n)
+        .flat_map(|a| (0..n).map(move |b| (a, b)))
+        .filter(near)
+        .collect();
+    let graph = Lists::collect(n, || pairs.iter().map(|&(a, b)| (a as u32, b as u32)));
+    let pattern = Arc::new(lower_pattern::<B>(&graph));
+    // More than the sum of what stands beside it.
+    let diagonal = 8.1 * (1..=B).sum::<usize>() as f64;
+    let entry = |row: usize, column: usize| {
+        let (i, j) = (row % B, column % B);
+        match (row / B == column / B, i == j) {
+            (true, true) => diagonal,
+            (true, false) => 0.1 * (i + j) as f64,
+            (false, true) => -1.0,
+            (false, false) => 0.3 * (i as f64 - 2.0 * j as f64),
+        }
+    };
+    let columns = (0..B * n).flat_map(|column| {
+        let rows = pattern.row_idx()[pattern.col_range(column)].iter();
+        rows.map(move |&row| entry(row as usize, column))
+    });
+    let values: Vec<f64> = columns.collect();
+    (graph, LowerMatrix::new(pattern, values))
+}
+
+/// One unknown of a node, two, three and four: the solution of faer, with a dof held, and after a change between a
+/// few nodes the bits of a whole factorisation.
+fn solves_with_unknowns_per_node<const B: usize>() {
+    let (graph, mut matrix) = square::<B>(23);
+    let n = matrix.ncols();
+    let symbolic = |ordering| {
+        let pattern = matrix.as_ref().symbolic();
+        Symbolic::<B>::new(pattern, &graph, ordering).expect("an order")
+    };
+    let symbolic = [symbolic(Ordering::Metis), symbolic(Ordering::Amd)];
+    let mut is_held = vec![false; n];
+    is_held[n / 3] = true;
+    let held = HeldDofs {
+        is_held: &is_held,
+        diagonal: 7.0,
+    };
+    let expected = |matrix: &LowerMatrix| {
+        let held = matrix.hold(&is_held, 7.0);
+        let faer = held.as_ref().sp_cholesky(Side::Lower);
+        let b = faer::Col::from_fn(n, |i| loads(n, 1)[i]);
+        faer.expect("positive definite").solve(b)
+    };
+    let assert_solved = |factor: &Factor<B>, matrix: &LowerMatrix| {
+        let (mut x, expected) = (loads(n, 1), expected(matrix));
+        factor.solve_in_place(&mut x);
+        let largest = x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        for (x, e) in x.iter().zip(expected.iter()) {
+            assert!(
+                (x - e).abs() < 1e-13 * largest,
+                "{B} unknowns: {x:e} for {e:e}"
+            );
+        }
+        x
+    };
+    let [mut factor, _] = symbolic.each_ref().map(|symbolic| {
+        let factor = symbolic.factorise_held(&matrix, held, &[]);
+        let factor = factor.expect("positive definite");
+        assert_solved(&factor, &matrix);
+        factor
+    });
+    // Between a node and its neighbours.
+    let node = n / B / 2;
+    let (structure, values) = matrix.parts_mut();
+    for column in B * node..B * (node + 1) {
+        let entries = structure.col_range(column);
+        values[entries.start] += 2.0;
+        values[entries.end - 1] *= 0.5;
+    }
+    let mut nodes = graph.of(node).to_vec();
+    nodes.push(node as u32);
+    let done = factor.refactorise(&matrix, held, &nodes);
+    done.expect("positive definite");
+    assert!(factor.flops_above(&nodes) < symbolic[0].flops());
+    let whole = symbolic[0].factorise_held(&matrix, held, &[]);
+    let whole = assert_solved(&whole.expect("positive definite"), &matrix);
+    assert_eq!(assert_solved(&factor, &matrix), whole, "{B} unknowns");
+}
+
+#[test]
+fn a_node_may_have_any_number_of_unknowns() {
+    solves_with_unknowns_per_node::<1>();
+    solves_with_unknowns_per_node::<2>();
+    solves_with_unknowns_per_node::<3>();
+    solves_with_unknowns_per_node::<4>();
 }

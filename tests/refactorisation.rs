@@ -6,7 +6,7 @@ mod common;
 
 use common::*;
 use peristitch::assembly::Pattern;
-use peristitch::linear_solver::held::Held;
+use peristitch::linear_solver::held::HeldDofs;
 use peristitch::linear_solver::ordering::Ordering;
 use peristitch::linear_solver::{SolverError, cholesky};
 use peristitch::material::PlaneState;
@@ -52,9 +52,9 @@ impl Body {
         }
     }
 
-    fn held(&self) -> Held<'_> {
-        Held {
-            dofs: &self.held,
+    fn held(&self) -> HeldDofs<'_> {
+        HeldDofs {
+            is_held: &self.held,
             diagonal: 1e11,
         }
     }
@@ -100,7 +100,7 @@ fn cholesky_has_the_bits_of_a_whole_factorisation() {
     let elements = body.model.element_stiffness();
     let pattern = Pattern::new(positions.len(), &interactions, &elements);
     let symbolic = || {
-        cholesky::Symbolic::new(pattern.symbolic(), &pattern.graph, Ordering::Metis)
+        cholesky::Symbolic::<2>::new(pattern.symbolic(), &pattern.graph, Ordering::Metis)
             .expect("an order")
     };
     let [own, other] = [symbolic(), symbolic()];

@@ -1,4 +1,4 @@
-//! What a node's neighbours, bonds, trusses and elements add to its two columns of K.
+//! The two columns of K that belong to a node, gathered from its interactions and elements.
 
 use super::ElementStiffness;
 use crate::interactions::Interactions;

@@ -1,5 +1,6 @@
 //! K where it is symmetric: its lower triangle, and products with it.
 
+use super::Lists;
 use super::parts::column_parts;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
 use rayon::prelude::*;
@@ -118,7 +119,7 @@ impl LowerMatrix {
         (0..n).map(|j| self.val_of_col(j)[0]).sum::<f64>() / n as f64
     }
 
-    /// The same matrix with the rows and columns of held dofs cleared and one number on their diagonal.
+    /// A copy with the rows and columns of held dofs cleared and one number on their diagonal.
     pub fn hold(&self, is_held: &[bool], diagonal: f64) -> LowerMatrix {
         let mut held = self.clone();
         let (symbolic, values) = held.parts_mut();
@@ -134,6 +135,52 @@ impl LowerMatrix {
         }
         held
     }
+}
+
+/// The pattern of a symmetric matrix with `B` unknowns for each node of a graph, lower triangle: of the columns of
+/// a node, the triangle of its own block, then the blocks of its higher neighbours.
+pub fn lower_pattern<const B: usize>(graph: &Lists) -> SymbolicSparseColMat<u32> {
+    let n = graph.len();
+    let mut start = Vec::with_capacity(B * n + 1);
+    start.push(0);
+    let mut next = 0;
+    for node in 0..n {
+        let below = (B * above_diagonal(graph, node).len()) as u32;
+        for own in (1..=B as u32).rev() {
+            next += own + below;
+            start.push(next);
+        }
+    }
+    let mut rows = vec![0; next as usize];
+    let mut rest = rows.as_mut_slice();
+    let columns = (0..n).map(|node| {
+        let length = (start[B * (node + 1)] - start[B * node]) as usize;
+        let (columns, after) = std::mem::take(&mut rest).split_at_mut(length);
+        rest = after;
+        columns
+    });
+    let columns: Vec<&mut [u32]> = columns.collect();
+    let fill = |(node, rows): (usize, &mut [u32])| {
+        let mut rows = rows.iter_mut();
+        let mut push = |row| *rows.next().expect("rows are counted") = row;
+        let unknowns = |node: u32| B as u32 * node..B as u32 * (node + 1);
+        let own = unknowns(node as u32);
+        for first in own.clone() {
+            (first..own.end).for_each(&mut push);
+            for &neighbour in above_diagonal(graph, node) {
+                unknowns(neighbour).for_each(&mut push);
+            }
+        }
+    };
+    let columns = columns.into_par_iter().enumerate();
+    columns.with_min_len(64).for_each(fill);
+    SymbolicSparseColMat::new_checked(B * n, B * n, start, None, rows)
+}
+
+/// The neighbours of a node with a larger number.
+pub fn above_diagonal(graph: &Lists, node: usize) -> &[u32] {
+    let neighbours = graph.of(node);
+    &neighbours[neighbours.partition_point(|&n| (n as usize) < node)..]
 }
 
 #[cfg(test)]

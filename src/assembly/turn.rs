@@ -23,7 +23,7 @@ fn turned([c, s]: [f64; 2], x: f64, y: f64) -> [f64; 2] {
     [c * x + s * y, c * y - s * x]
 }
 
-/// Where a column's entries are.
+/// The range of a column's entries.
 fn range(symbolic: SymbolicSparseColMatRef<'_, u32>, column: usize) -> Range<usize> {
     symbolic.col_ptr()[column] as usize..symbolic.col_ptr()[column + 1] as usize
 }

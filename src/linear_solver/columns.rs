@@ -11,7 +11,7 @@ pub fn slice(column: ColRef<'_, f64>) -> &[f64] {
 }
 
 /// # Panics
-/// As [`slice`].
+/// Panics where the matrix is not stored column by column.
 pub fn slice_mut(column: ColMut<'_, f64>) -> &mut [f64] {
     let column = column.try_as_col_major_mut();
     column.expect("stored by columns").as_slice_mut()

@@ -8,21 +8,14 @@
 //! those above it in the elimination tree; dofs close together share most of this path to the root, some
 //! tenth of L.
 
+mod block;
+
 use super::cholesky::Factor;
 use super::columns::{slice, slice_mut, symmetric};
-use super::path::Path;
-use faer::linalg::matmul::matmul;
-use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::{Accum, Mat, Par};
+use super::policy::{FEW_UNIT_LOADS, UNIT_LOADS};
+use block::Block;
+use faer::Mat;
 use rayon::prelude::*;
-use std::ops::Range;
-
-/// Most columns of X that one thread computes at a time: as many keep products of dense blocks at their full
-/// rate.
-const BLOCK: usize = 480;
-
-/// Fewer are not shared out.
-const FEWEST: usize = 24;
 
 /// L⁻¹ E of a list of dofs.
 #[derive(Default)]
@@ -31,35 +24,6 @@ pub struct UnitLoads {
     blocks: Vec<Block>,
     /// Multiplications and additions that it took.
     pub flops: f64,
-}
-
-/// Columns of X that share a path.
-struct Block {
-    /// Which of the dofs, in the order of their columns of L.
-    members: Vec<usize>,
-    /// Ascending.
-    stretches: Vec<Stretch>,
-    /// X: rows of the path × members.
-    x: Mat<f64>,
-    flops: f64,
-}
-
-/// Neighbouring columns of L, and the members that have entries there.
-#[derive(Clone)]
-struct Stretch {
-    begin: usize,
-    len: usize,
-    /// Where the first one stands among the rows of X.
-    row: usize,
-    members: Range<usize>,
-}
-
-/// Where two blocks have the same columns of L.
-struct Common {
-    /// Rows in either, and how many.
-    rows: [usize; 2],
-    len: usize,
-    members: [Range<usize>; 2],
 }
 
 impl UnitLoads {
@@ -159,95 +123,7 @@ impl UnitLoads {
     }
 }
 
-impl Block {
-    /// The columns at these places in the block, and what they are called in the new one.
-    fn select(&self, kept: &[(usize, usize)]) -> Block {
-        let before = |limit: usize| kept.partition_point(|&(place, _)| place < limit);
-        let stretches = self.stretches.iter().map(|stretch| Stretch {
-            members: before(stretch.members.start)..before(stretch.members.end),
-            ..stretch.clone()
-        });
-        let mut x = Mat::zeros(self.x.nrows(), kept.len());
-        for (mut to, &(place, _)) in x.col_iter_mut().zip(kept) {
-            to.copy_from(self.x.col(place));
-        }
-        Block {
-            members: kept.iter().map(|&(_, target)| target).collect(),
-            stretches: stretches.collect(),
-            x,
-            flops: 0.0,
-        }
-    }
-
-    /// Xᵢᵀ Xⱼ.
-    fn product(&self, other: &Block) -> Mat<f64> {
-        let mut product = Mat::zeros(self.members.len(), other.members.len());
-        for common in common(&self.stretches, &other.stretches) {
-            let [left, right] = [(self, 0), (other, 1)].map(|(block, k)| {
-                let members = common.members[k].clone();
-                let rows = block.x.subrows(common.rows[k], common.len);
-                rows.subcols(members.start, members.len())
-            });
-            let [rows, columns] = common.members;
-            let to = product.as_mut().submatrix_mut(
-                rows.start,
-                columns.start,
-                rows.len(),
-                columns.len(),
-            );
-            matmul(to, Accum::Add, left.transpose(), right, 1.0, Par::Seq);
-        }
-        product
-    }
-
-    /// Xᵀ X.
-    fn square(&self) -> Mat<f64> {
-        let size = self.members.len();
-        let mut square = Mat::zeros(size, size);
-        for stretch in &self.stretches {
-            let (first, count) = (stretch.members.start, stretch.members.len());
-            let x = self.x.submatrix(stretch.row, first, stretch.len, count);
-            triangular::matmul(
-                square.as_mut().submatrix_mut(first, first, count, count),
-                BlockStructure::TriangularUpper,
-                Accum::Add,
-                x.transpose(),
-                BlockStructure::Rectangular,
-                x,
-                BlockStructure::Rectangular,
-                1.0,
-                Par::Seq,
-            );
-        }
-        symmetric(&square)
-    }
-}
-
-fn common(a: &[Stretch], b: &[Stretch]) -> Vec<Common> {
-    let mut found: Vec<Common> = Vec::new();
-    let (mut i, mut j) = (0, 0);
-    while i < a.len() && j < b.len() {
-        let (one, other) = (&a[i], &b[j]);
-        let begin = one.begin.max(other.begin);
-        let [one_end, other_end] = [one, other].map(|s| s.begin + s.len);
-        let end = one_end.min(other_end);
-        if begin < end {
-            found.push(Common {
-                rows: [one, other].map(|s| s.row + begin - s.begin),
-                len: end - begin,
-                members: [one, other].map(|s| s.members.clone()),
-            });
-        }
-        if one_end <= other_end {
-            i += 1;
-        } else {
-            j += 1;
-        }
-    }
-    found
-}
-
-impl Factor {
+impl<const B: usize> Factor<B> {
     /// L⁻¹ E of the dofs of which `is_loaded` is true; nothing for the others. On all threads, with the
     /// same bits on any number of them.
     pub fn unit_loads(&self, dofs: &[usize], is_loaded: impl Fn(usize) -> bool) -> UnitLoads {
@@ -267,53 +143,13 @@ impl Factor {
             blocks,
         }
     }
-
-    /// Goes up the tree with unit loads at some columns of L, ascending.
-    fn block(&self, columns: &[usize], members: Vec<usize>) -> Block {
-        let path = Path::new(self.supernodes(), columns);
-        let mut x = Mat::zeros(path.rows, columns.len());
-        for (j, &column) in columns.iter().enumerate() {
-            x[(path.row(column), j)] = 1.0;
-        }
-        let most = path.steps.iter().map(|s| s.below.len()).max();
-        let mut beside = Mat::zeros(most.unwrap_or(0), columns.len());
-        let mut flops = 0;
-        let mut stretches: Vec<Stretch> = Vec::new();
-        for step in &path.steps {
-            let (width, below) = (step.width, step.below.len());
-            let (first, count) = (step.members.start, step.members.len());
-            let own = x.as_mut().subcols_mut(first, count);
-            let beside = beside.as_mut().submatrix_mut(0, first, below, count);
-            self.step_up(step, own, beside);
-            flops += count * width * (width + 2 * below);
-            match stretches.last_mut() {
-                Some(last)
-                    if last.begin + last.len == step.begin && last.members == step.members =>
-                {
-                    last.len += width;
-                }
-                _ => stretches.push(Stretch {
-                    begin: step.begin,
-                    len: width,
-                    row: step.first_row,
-                    members: step.members.clone(),
-                }),
-            }
-        }
-        Block {
-            flops: flops as f64,
-            members,
-            stretches,
-            x,
-        }
-    }
 }
 
 /// An even number of equal blocks, if there are enough columns for them.
 fn block_size(columns: usize) -> usize {
-    let blocks = match columns < 2 * FEWEST {
+    let blocks = match columns < 2 * FEW_UNIT_LOADS {
         true => 1,
-        false => 2 * columns.div_ceil(2 * BLOCK),
+        false => 2 * columns.div_ceil(2 * UNIT_LOADS),
     };
     columns.div_ceil(blocks).max(1)
 }
@@ -330,7 +166,7 @@ mod tests {
     const SIDE: usize = 60;
 
     /// A lattice of interactions to the eight nearest neighbours, on soft ground.
-    fn factor() -> Factor {
+    fn factor() -> Factor<2> {
         let node = |i: usize, j: usize| (i * SIDE + j) as u32;
         let mut pairs = Vec::new();
         for i in 0..SIDE {
@@ -357,7 +193,7 @@ mod tests {
         };
         let elements: Vec<ElementStiffness> = (0..SIDE * SIDE).map(ground).collect();
         let pattern = Pattern::new(SIDE * SIDE, &interactions, &elements);
-        let symbolic = Symbolic::new(pattern.symbolic(), &pattern.graph, Ordering::Metis);
+        let symbolic = Symbolic::<2>::new(pattern.symbolic(), &pattern.graph, Ordering::Metis);
         let matrix = pattern.assemble(&positions, &interactions, &elements);
         symbolic
             .and_then(|s| s.factorise(&matrix))

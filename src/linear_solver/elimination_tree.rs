@@ -106,7 +106,7 @@ pub fn column_counts(below: &Lists, parent: &[u32]) -> Vec<u32> {
 
 /// Leaves of the subtrees of L's rows, found column by column.
 struct Leaves {
-    /// By row: 1 + the largest first descendant so far.
+    /// 1 + the largest first descendant so far, by row.
     reached: Vec<u32>,
     last: Vec<u32>,
     ancestor: Vec<u32>,

@@ -1,6 +1,6 @@
-//! What a child passes up, added to the front of its parent (extend-add; Duff & Reid 1983).
+//! Extend-add: the update of a child is added to the front of its parent (Duff & Reid 1983).
 
-use super::tiles::PANEL;
+use super::policy::PANEL;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 

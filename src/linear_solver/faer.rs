@@ -2,10 +2,10 @@
 //! it shares only the order of METIS and the criterion for a pivot with. It factorises K as a whole and can
 //! neither follow a change nor give the compliances of few dofs.
 
-use super::cholesky::LEAST_PIVOT;
-use super::held::Held;
-use super::ordering::dof_permutation;
-use super::supernodes::postordered;
+use super::held::HeldDofs;
+use super::ordering::{dof_permutation, postordered};
+use super::policy::{DIRECT_RESIDUAL, LEAST_PIVOT};
+use super::supernodes::flops;
 use super::{Backend, FactorSize, Factorisation, SolverError, SymmetricSolver, zeros};
 use crate::assembly::LowerMatrix;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -32,16 +32,16 @@ pub struct Symbolic {
 }
 
 impl Symbolic {
-    /// `order`: the nodes as they are to be eliminated. Subtrees of the elimination tree are put in one piece,
+    /// `B`: unknowns of a node; `order`: the nodes as they are to be eliminated. Subtrees of the elimination tree are put in one piece,
     /// without which faer finds three times as many supernodes.
     ///
     /// # Errors
     /// [`SolverError::OutOfMemory`].
-    pub fn with_order(
+    pub fn with_order<const B: usize>(
         pattern: SymbolicSparseColMatRef<'_, u32>,
         order: &[u32],
     ) -> Result<Symbolic, SolverError> {
-        let permutation = dof_permutation(&postordered(pattern, order));
+        let permutation = dof_permutation::<B>(&postordered::<B>(pattern, order));
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
@@ -93,13 +93,13 @@ impl SymmetricSolver for Symbolic {
         let supernodes = self.supernodes();
         let [begin, end] = [supernodes.supernode_begin(), supernodes.supernode_end()];
         let widths = begin.iter().zip(end).map(|(begin, end)| end - begin);
-        let flops = widths.zip(supernodes.nnz_per_super());
+        let shapes = widths.zip(supernodes.nnz_per_super());
         FactorSize {
             entries: self.symbolic.len_val(),
             // Updates go into L at once.
             waiting_entries: 0,
-            flops: flops
-                .map(|(w, &r)| super::supernodes::flops(f64::from(w), f64::from(r)))
+            flops: shapes
+                .map(|(w, &r)| flops(f64::from(w), f64::from(r)))
                 .sum(),
         }
     }
@@ -107,11 +107,11 @@ impl SymmetricSolver for Symbolic {
     fn factorise(
         &self,
         stiffness: &LowerMatrix,
-        held: Held,
+        held: HeldDofs,
         _: &[u32],
     ) -> Result<Box<dyn Factorisation>, SolverError> {
         let dofs = stiffness.ncols();
-        let matrix = match held.dofs {
+        let matrix = match held.is_held {
             [] => stiffness.clone(),
             is_held => stiffness.hold(is_held, held.diagonal),
         };
@@ -168,7 +168,7 @@ impl Factorisation for Factor {
     }
 
     fn residual_goal(&self) -> f64 {
-        super::cholesky::RESIDUAL_GOAL
+        DIRECT_RESIDUAL
     }
 
     fn entries(&self) -> usize {

@@ -1,9 +1,9 @@
 //! Numeric factorisation, multifrontal (Duff & Reid 1983; Liu 1992).
 //!
-//! A supernode's front is K on its columns and rows, plus what its children pass up:
+//! A supernode's front is K on its columns and rows, plus the updates of its children:
 //!
 //! ```text
-//! F = [A11 A12]   factors of A11 and of its rows and columns; passed up: U = A22 − A21 A11⁻¹ A12
+//! F = [A11 A12]   factors of A11 and of its rows and columns; update: U = A22 − A21 A11⁻¹ A12
 //!     [A21 A22]
 //! ```
 //!
@@ -12,32 +12,28 @@
 //! are added in their order: the bits do not depend on the number of threads.
 
 use super::extend_add::{Part, Runs, first_row, update_entries};
+use super::policy::{PANEL, SUBTREE_SHARE, SUBTREE_WORK};
 use super::supernodes::Supernodes;
-use super::tiles::PANEL;
+use super::update_memory::{Pool, Stacks};
 use faer::MatMut;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
-
-/// Subtrees with less than this share of all work, or less work than this, stay with one thread.
-const SHARE: f64 = 1.0 / 64.0;
-const LEAST_WORK: f64 = 1e7;
 
 /// The column of a pivot that is not positive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct NotPositive(pub usize);
 
-/// One kind of factorisation, front by front.
+/// A factorisation, front by front.
 pub trait Front: Sync {
-    /// Where a supernode's numbers begin among all; of the number of supernodes, how many there are.
+    /// The first number of a supernode among all; at the number of supernodes, the count of all numbers.
     fn start(&self, s: usize) -> usize;
 
-    /// Memory to work in, for so many columns.
+    /// Memory to work in for so many columns.
     fn scratch(&self, columns: usize) -> StackReq;
 
-    /// Fills a supernode's numbers and what it passes up, panel by panel.
+    /// Fills a supernode's numbers and its update, panel by panel.
     ///
     /// # Errors
     /// [`NotPositive`].
@@ -51,21 +47,21 @@ pub trait Front: Sync {
     ) -> Result<(), NotPositive>;
 }
 
-/// What a child passes up.
+/// The update of a child.
 pub struct Child<'a> {
     pub runs: Runs,
     pub update: &'a [f64],
 }
 
-/// Adds what children pass up to a part of their parent's front, in their order.
+/// Adds the updates of children to a part of their parent's front, in their order.
 pub fn add_children(children: &[Child], mut part: Part) {
     for child in children {
         child.runs.add(child.update, &mut part);
     }
 }
 
-/// What a front of `width` columns passes up: `product` writes −A21 A11⁻¹ A12 to a panel, whose first column is
-/// given, and which is in the cache still when what children pass up is added.
+/// Fills the update of a front of `width` columns: `product` writes −A21 A11⁻¹ A12 to a panel, whose first column is
+/// given, and which is still in the cache when the updates of children are added.
 pub fn pass_up(
     children: &[Child],
     width: usize,
@@ -97,11 +93,11 @@ pub fn pass_up(
     });
 }
 
-/// By supernodes: what they pass up, in as little room as it needs.
+/// Updates by supernode, in as little memory as they need.
 pub type Updates = BTreeMap<usize, Vec<f64>>;
 
 /// Fills the numbers of all supernodes. `path`: those that are likely to change, ascending and with each of them
-/// all above it; what others pass up to them is returned.
+/// all above it; the updates of their other children are returned.
 ///
 /// # Errors
 /// [`NotPositive`].
@@ -121,15 +117,15 @@ pub fn factorise<F: Front>(
 pub struct Numeric<'a, F> {
     pub structure: &'a Supernodes,
     pub front: &'a F,
-    /// Work of the smallest subtree that is looked into for more tasks.
+    /// Work of the smallest subtree that is split into more tasks [multiplications and additions].
     least: f64,
     pub pool: &'a Pool,
-    /// What others pass up to these is kept; ascending.
+    /// Supernodes whose other children's updates are kept; ascending.
     path: &'a [usize],
     kept: Mutex<Updates>,
 }
 
-/// What a supernode passes up.
+/// The update of a supernode.
 struct Update {
     supernode: usize,
     values: Vec<f64>,
@@ -139,43 +135,9 @@ struct Update {
 struct Link<'v> {
     supernode: usize,
     block: &'v mut [f64],
-    /// Of its small children before and after the large one.
+    /// Updates of its small children before and after the large one.
     before: Vec<Update>,
     after: Vec<Update>,
-}
-
-/// Memory of updates that are no longer needed, for others: fresh pages cost as much as the sums in them.
-#[derive(Debug, Default)]
-pub struct Pool(Mutex<Vec<Vec<f64>>>);
-
-impl Pool {
-    /// So many numbers, whichever they are.
-    pub fn take(&self, length: usize) -> Vec<f64> {
-        let mut free = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let fitting = free.iter().position(|vector| vector.capacity() >= length);
-        let found = fitting.map(|k| free.remove(k));
-        drop(free);
-        let mut vector = found.unwrap_or_default();
-        if vector.capacity() < length {
-            return vec![0.0; length];
-        }
-        vector.resize(length, 0.0);
-        vector
-    }
-
-    /// Gives all of it back.
-    pub fn clear(&self) {
-        self.0
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clear();
-    }
-
-    pub fn give(&self, vector: Vec<f64>) {
-        let mut free = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let at = free.partition_point(|other| other.capacity() < vector.capacity());
-        free.insert(at, vector);
-    }
 }
 
 impl<'a, F: Front> Numeric<'a, F> {
@@ -188,7 +150,7 @@ impl<'a, F: Front> Numeric<'a, F> {
         Numeric {
             structure,
             front,
-            least: LEAST_WORK.max(SHARE * structure.total_flops()),
+            least: SUBTREE_WORK.max(SUBTREE_SHARE * structure.total_flops()),
             pool,
             path,
             kept: Mutex::default(),
@@ -200,7 +162,7 @@ impl<'a, F: Front> Numeric<'a, F> {
         kept.unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Subtrees in ascending order; `values` begins at number `offset`.
+    /// Factorises subtrees in ascending order; `values` begins at number `offset`.
     fn subtrees(
         &self,
         roots: &[usize],
@@ -215,7 +177,7 @@ impl<'a, F: Front> Numeric<'a, F> {
         done.into_iter().collect()
     }
 
-    /// What the roots of subtrees pass up, in as little room as it needs; ascending.
+    /// Factorises subtrees and returns the updates of their roots in as little memory as they need; ascending.
     pub fn stored_subtrees(
         &self,
         roots: &[usize],
@@ -295,12 +257,12 @@ impl<'a, F: Front> Numeric<'a, F> {
         }
     }
 
-    /// How many numbers a supernode has.
+    /// The count of a supernode's numbers.
     fn numbers(&self, s: usize) -> usize {
         self.front.start(s + 1) - self.front.start(s)
     }
 
-    /// How many numbers a supernode passes up.
+    /// The count of numbers in a supernode's update.
     pub fn passed(&self, s: usize) -> usize {
         update_entries(self.structure.rows(s).len())
     }
@@ -336,7 +298,7 @@ impl<'a, F: Front> Numeric<'a, F> {
         })
     }
 
-    /// Keeps what a supernode passes up, if it is needed once more.
+    /// Keeps the update of a supernode if it is needed once more.
     fn keep(&self, s: usize, update: &[f64]) {
         let is_on_path = |s: usize| self.path.binary_search(&s).is_ok();
         let parent = self.structure.parent(s);
@@ -346,15 +308,15 @@ impl<'a, F: Front> Numeric<'a, F> {
         }
     }
 
-    /// A subtree, supernode after supernode.
+    /// Factorises a subtree, supernode after supernode.
     fn sequential(&self, root: usize, values: &mut [f64]) -> Result<Update, NotPositive> {
         let structure = self.structure;
         let subtree = structure.subtree(root);
         let first = subtree.start;
         let widest = subtree.clone().map(|s| structure.width(s)).max();
         let mut memory = MemBuffer::new(self.front.scratch(widest.unwrap_or(0)));
-        let Stacks { level, size } = Stacks::of(structure, subtree.clone(), |s| self.passed(s));
-        // Of supernodes an even, and an odd number of levels below the root: one is read, one is written.
+        let Stacks { level, size } = Stacks::new(structure, subtree.clone(), |s| self.passed(s));
+        // One stack for even and one for odd numbers of levels below the root: one is read, one is written.
         let mut stacks = size.map(|size| self.pool.take(size));
         let mut top = [0, 0];
         let mut rest = values;
@@ -388,38 +350,5 @@ impl<'a, F: Front> Numeric<'a, F> {
             supernode: root,
             values: update,
         })
-    }
-}
-
-/// Room for the updates of a subtree.
-struct Stacks {
-    /// By supernode: levels below the root.
-    level: Vec<usize>,
-    /// Numbers that wait at most on even and on odd levels.
-    size: [usize; 2],
-}
-
-impl Stacks {
-    fn of(
-        structure: &Supernodes,
-        subtree: Range<usize>,
-        passed: impl Fn(usize) -> usize,
-    ) -> Stacks {
-        let first = subtree.start;
-        let mut level = vec![0; subtree.len()];
-        for s in subtree.clone().rev().skip(1) {
-            let parent = structure.parent(s).expect("only the root has none");
-            level[s - first] = level[parent - first] + 1;
-        }
-        let (mut top, mut size) = ([0, 0], [0, 0]);
-        for s in subtree {
-            let own = level[s - first] % 2;
-            top[own] += passed(s);
-            size[own] = size[own].max(top[own]);
-            for child in structure.children_from_last(s) {
-                top[1 - own] -= passed(child);
-            }
-        }
-        Stacks { level, size }
     }
 }

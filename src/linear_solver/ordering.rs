@@ -1,6 +1,7 @@
-//! Fill-reducing elimination orders of the nodes' graph; a node's two dofs stay together.
+//! Fill-reducing elimination orders of the nodes' graph; a node's unknowns stay together.
 
-use super::metis;
+use super::node_blocks::{below, inverse};
+use super::{elimination_tree, metis};
 use crate::assembly::Lists;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::Perm;
@@ -45,17 +46,23 @@ fn minimum_degree(graph: &Lists) -> Vec<u32> {
     order
 }
 
-/// The permutation of the dofs that goes with an order of the nodes.
-pub fn dof_permutation(order: &[u32]) -> Perm<u32> {
-    let forward: Vec<u32> = order
-        .iter()
-        .flat_map(|&node| [2 * node, 2 * node + 1])
-        .collect();
-    let mut inverse = vec![0; forward.len()];
-    for (new, &old) in forward.iter().enumerate() {
-        inverse[old as usize] = new as u32;
-    }
-    Perm::new_checked(forward.into(), inverse.into(), 2 * order.len())
+/// The nodes of an elimination order such that every subtree of the elimination tree is in one piece: the same
+/// fill, and supernodes as large as can be.
+pub fn postordered<const B: usize>(
+    pattern: SymbolicSparseColMatRef<'_, u32>,
+    order: &[u32],
+) -> Vec<u32> {
+    let parent = elimination_tree::parents(&below::<B>(pattern, &inverse(order)));
+    let post = elimination_tree::postorder(&parent);
+    post.iter().map(|&k| order[k as usize]).collect()
+}
+
+/// The permutation of the unknowns, B to a node, that goes with an order of the nodes.
+pub fn dof_permutation<const B: usize>(order: &[u32]) -> Perm<u32> {
+    let unknowns = |&node: &u32| B as u32 * node..B as u32 * (node + 1);
+    let forward: Vec<u32> = order.iter().flat_map(unknowns).collect();
+    let inverse = inverse(&forward);
+    Perm::new_checked(forward.into(), inverse.into(), B * order.len())
 }
 
 #[cfg(test)]

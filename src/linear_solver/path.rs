@@ -1,4 +1,4 @@
-//! What a few dofs have of L: the supernodes on their way to the root of the elimination tree.
+//! The path of a few dofs to the root of the elimination tree, and the supernodes of L on it.
 //!
 //! With K = L Lᵀ, a force at one dof enters L⁻¹ f at its column and in those above it in the tree:
 //!
@@ -16,28 +16,28 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
 use std::ops::Range;
 
-/// The supernodes above a set of columns, these included, and where their rows stand in a compact
+/// The supernodes above a set of columns, these included, and the places of their rows in a compact
 /// right-hand side.
 pub(super) struct Path {
-    /// Ascending: children before parents.
+    /// Its supernodes, ascending: children before parents.
     pub(super) steps: Vec<Step>,
     pub(super) rows: usize,
 }
 
 pub(super) struct Step {
     supernode: usize,
-    /// Of the columns that the path begins at, the places of those in this supernode and below it.
+    /// The columns that the path begins at which lie in this supernode or below it, by their places.
     pub(super) members: Range<usize>,
-    /// Its first column, how many there are, and where the first stands.
+    /// Its first column, the number of its columns, and the row of the first.
     pub(super) begin: usize,
     pub(super) width: usize,
     pub(super) first_row: usize,
-    /// Where the rows of L below its own stand.
+    /// The rows of the right-hand side that belong to the rows of L below its own.
     pub(super) below: Vec<u32>,
 }
 
 impl Path {
-    /// From ascending columns.
+    /// The path from ascending columns.
     pub(super) fn new(structure: &Supernodes, columns: &[usize]) -> Path {
         let mut path = Path {
             steps: Vec::new(),
@@ -65,7 +65,7 @@ impl Path {
         path
     }
 
-    /// Where ascending columns above step `k` stand.
+    /// The rows of ascending columns above step `k`.
     fn places(&self, columns: &[u32], k: usize) -> Vec<u32> {
         let mut k = k;
         let place = |&column: &u32| {
@@ -78,15 +78,15 @@ impl Path {
         columns.iter().map(place).collect()
     }
 
-    /// Where a column of the path stands.
+    /// The row of a column of the path.
     pub(super) fn row(&self, column: usize) -> usize {
         let k = self.steps.partition_point(|s| s.begin + s.width <= column);
         self.steps[k].first_row + column - self.steps[k].begin
     }
 }
 
-impl Factor {
-    /// The diagonal block of a supernode, and what is below.
+impl<const B: usize> Factor<B> {
+    /// The diagonal block of a supernode, and the block below it.
     fn blocks(&self, step: &Step) -> (MatRef<'_, f64>, MatRef<'_, f64>) {
         let height = step.width + step.below.len();
         let values = &self.values()[self.supernodes().block(step.supernode)];

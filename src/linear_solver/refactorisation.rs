@@ -1,30 +1,31 @@
 //! Factors that follow a change of K: the fronts where it changes, and those above them up to the root, are
-//! factorised anew, from what their other children pass up, which is kept ([`Kept`]): the same sums as of a
+//! factorised anew from the updates of their other children, which are kept ([`Kept`]): the same sums as of a
 //! whole factorisation, and so the same bits.
 
-use super::multifrontal::{Child, Front, NotPositive, Numeric, Pool, Updates};
+use super::multifrontal::{Child, Front, NotPositive, Numeric, Updates};
 use super::supernodes::Supernodes;
+use super::update_memory::Pool;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-/// What it takes to factorise some supernodes anew.
+/// The updates from which supernodes are factorised anew.
 #[derive(Clone, Debug, Default)]
 pub struct Kept {
-    /// By supernodes: what they pass up to those that were, and may be again.
+    /// Updates, by supernode, for parents that were factorised anew and may be again.
     updates: Updates,
-    /// What a pivot has left undone, ascending.
+    /// Supernodes that are not done because a pivot failed, ascending.
     undone: Vec<usize>,
-    /// Room for what levels pass up: one is read, the next is written, in turn.
+    /// Room for the updates of two levels: one is read while the next is written, in turn.
     stacks: [Vec<f64>; 2],
 }
 
-/// Fills the numbers of the supernodes of a path anew: ascending, with each of them all above it. What
-/// others pass up to them is taken from what is kept, or is found anew as well, and kept from now on.
+/// Fills the numbers of the supernodes of a path anew: ascending, with each of them all above it. The updates of
+/// other children are those that are kept; where none is, it is computed, and kept from now on.
 ///
 /// # Errors
-/// [`NotPositive`]: what is left of the path is done by the next call.
+/// [`NotPositive`]: the rest of the path is done by the next call.
 pub fn refactorise<F: Front>(
     structure: &Supernodes,
     front: &F,
@@ -59,7 +60,7 @@ fn blocks<'v, F: Front>(
     path.iter().map(block).collect()
 }
 
-/// A path by distance from the root, the farthest first: these do not need each other.
+/// A path by distance from the root, the farthest first: supernodes of one level do not need each other.
 fn levels(structure: &Supernodes, path: &[usize]) -> Vec<Vec<usize>> {
     let mut depths: BTreeMap<usize, usize> = BTreeMap::new();
     let mut levels: Vec<Vec<usize>> = Vec::new();
@@ -81,8 +82,8 @@ impl Kept {
         }
     }
 
-    /// A path with those supernodes off it of which nothing is kept, but of some below them; and the roots of the
-    /// subtrees of which nothing is. Both ascending.
+    /// The path with those children besides it whose updates are not kept although some below them are; and the
+    /// roots of subtrees of which no update is kept. Both ascending.
     fn complete(
         &self,
         structure: &Supernodes,
@@ -112,15 +113,15 @@ impl Kept {
     }
 }
 
-/// What a pivot has left of a path.
+/// The part of a path that is not done.
 struct Undone {
     supernodes: BTreeSet<usize>,
-    /// The first one in the order of elimination, and its supernode.
+    /// The first pivot that failed in the order of elimination, and its supernode.
     failed: Option<(usize, NotPositive)>,
 }
 
 impl Undone {
-    /// What is eliminated before a pivot that failed is done all the same: the first one is told.
+    /// Supernodes before the one whose pivot failed are done all the same, so that the first failure is reported.
     fn has_turn(&self, s: usize) -> bool {
         self.failed.is_none_or(|(failed, _)| s < failed)
     }
@@ -138,7 +139,7 @@ impl Undone {
     }
 }
 
-/// A supernode that is eliminated once more: its numbers, and what it passes up.
+/// A supernode that is eliminated once more: its numbers, and its update.
 struct Again<'v> {
     supernode: usize,
     own: &'v mut [f64],
@@ -146,10 +147,11 @@ struct Again<'v> {
 }
 
 impl<F: Front> Numeric<'_, F> {
-    /// Fills the numbers of a path, ascending, those far from the root first; what others pass up is kept.
+    /// Fills the numbers of a path, ascending, those far from the root first; the updates of other children are
+    /// kept.
     ///
     /// # Errors
-    /// [`NotPositive`]: what is left is noted as undone.
+    /// [`NotPositive`]: the rest is noted as undone.
     fn along(
         &self,
         path: &[usize],
@@ -165,7 +167,7 @@ impl<F: Front> Numeric<'_, F> {
             supernodes: path.iter().copied().collect(),
             failed: None,
         };
-        // Where the updates of the level below are in the stack that it wrote.
+        // The places of the updates of the level below in the stack that it wrote.
         let mut below: BTreeMap<usize, Range<usize>> = BTreeMap::new();
         for (k, level) in levels.iter().enumerate() {
             let [even, odd] = &mut stacks;
@@ -195,7 +197,7 @@ impl<F: Front> Numeric<'_, F> {
         Err(pivot)
     }
 
-    /// Some supernodes with their numbers, and room in a stack for what they pass up; where that is.
+    /// Some supernodes with their numbers and room in a stack for their updates; and the places of that room.
     fn tasks<'v, 'b: 'v>(
         &self,
         supernodes: impl Iterator<Item = usize>,
@@ -229,7 +231,8 @@ impl<F: Front> Numeric<'_, F> {
         }
     }
 
-    /// A supernode of a path once more, from what its children pass up: those of the path, and what is kept.
+    /// Eliminates a supernode of a path once more, from the fresh updates of children on the path and the kept ones
+    /// of others.
     fn again(
         &self,
         task: Again,

@@ -1,12 +1,13 @@
 //! Factors of dense matrices, a panel of columns after the other, in tiles that are shared out to the threads:
 //!
 //! ```text
-//! L11 L11ᵀ = A11,     L21 = A21 L11⁻ᵀ,                          A22 ← A22 − L21 L21ᵀ
+//! L11 L11ᵀ = A11,                  L21 = A21 L11⁻ᵀ,             A22 ← A22 − L21 L21ᵀ
 //! P [L11; L21] U11 = [A11; A21],   U12 = L11⁻¹ (P A)12,         A22 ← (P A)22 − L21 U12
 //! ```
 //!
 //! The tiles are the same on any number of threads, and each is one thread's: so are the bits.
 
+use super::policy::{PANEL, TILE_ROWS};
 use faer::dyn_stack::{MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
@@ -17,10 +18,6 @@ use faer::linalg::triangular_solve::{
 };
 use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
-
-/// Columns of a panel and of a tile, and rows of a tile: pieces that stay in the cache of a processor.
-pub const PANEL: usize = 64;
-const ROWS: usize = 256;
 
 /// Memory that [`cholesky`] works in, for so many columns.
 pub fn cholesky_scratch(columns: usize) -> StackReq {
@@ -55,14 +52,8 @@ pub fn cholesky(mut front: MatMut<f64>, memory: &mut MemStack) -> Result<(), usi
 
 /// B ← B L⁻ᵀ.
 pub fn solve_rows(l: MatRef<f64>, b: MatMut<f64>) {
-    let rows = b.par_row_chunks_mut(ROWS);
+    let rows = b.par_row_chunks_mut(TILE_ROWS);
     rows.for_each(|b| solve_lower_triangular_in_place(l, b.transpose_mut(), Par::Seq));
-}
-
-/// The same with ones on L's diagonal.
-pub fn solve_unit_rows(l: MatRef<f64>, b: MatMut<f64>) {
-    let rows = b.par_row_chunks_mut(ROWS);
-    rows.for_each(|b| solve_unit_lower_triangular_in_place(l, b.transpose_mut(), Par::Seq));
 }
 
 /// The lower triangle of C − A Aᵀ, or of −A Aᵀ, in some columns of it, from the row and the column `first` on.
@@ -86,9 +77,9 @@ pub fn subtract_square(c: MatMut<f64>, first: usize, a: MatRef<f64>, accum: Accu
 
 /// C − A B, or −A B.
 pub fn subtract_product(c: MatMut<f64>, a: MatRef<f64>, b: MatRef<f64>, accum: Accum) {
-    let tiles = c.par_row_chunks_mut(ROWS).enumerate();
+    let tiles = c.par_row_chunks_mut(TILE_ROWS).enumerate();
     tiles.for_each(|(k, c)| {
-        let a = a.subrows(k * ROWS, c.nrows());
+        let a = a.subrows(k * TILE_ROWS, c.nrows());
         matmul(c, accum, a, b, -1.0, Par::Seq);
     });
 }

@@ -5,23 +5,21 @@
 //! down:  x = L11⁻ᵀ (y − L21ᵀ x_rows)
 //! ```
 //!
-//! The time is that of reading L twice. Subtrees are shared out to the threads; what they pass up is added
+//! The time is that of reading L twice. Subtrees are shared out to the threads; their updates are added
 //! in the order of the tree, so that the bits do not depend on the number of threads.
 
 use super::kernels::Block;
+use super::policy::{SUBTREE_ENTRIES, TOGETHER};
 use super::supernodes::Supernodes;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Subtrees with fewer entries of L stay with one thread.
-const LEAST_ENTRIES: usize = 500_000;
-
-/// Which unknowns are asked for.
+/// The unknowns that are needed.
 #[derive(Clone, Copy)]
 pub enum Wanted<'a> {
     All,
-    /// Those of supernodes of which it is true, and with each of them of all above it; the others become
-    /// nothing.
+    /// The unknowns of supernodes for which it is true, which hold with each of them all above it; the others
+    /// become zero.
     Some(&'a [bool]),
 }
 
@@ -34,11 +32,15 @@ impl Wanted<'_> {
     }
 }
 
-/// Right-hand sides that go through L together: so many, or half of them, or one.
-const TOGETHER: usize = 8;
-
-/// Overwrites `x`, vectors one after the other, by (L Lᵀ)⁻¹ x. `values`: the blocks of L.
-pub fn solve(structure: &Supernodes, values: &[f64], x: &mut [f64], wanted: Wanted) {
+/// Overwrites `x`, vectors one after the other, by (L Lᵀ)⁻¹ x. `values`: the blocks of L; `dof`: the unknown that a
+/// column eliminates.
+pub fn solve(
+    structure: &Supernodes,
+    values: &[f64],
+    x: &mut [f64],
+    wanted: Wanted,
+    dof: impl Fn(usize) -> usize + Copy,
+) {
     let n = structure.dofs();
     let sweep = Sweep {
         structure,
@@ -46,10 +48,11 @@ pub fn solve(structure: &Supernodes, values: &[f64], x: &mut [f64], wanted: Want
         wanted,
     };
     for x in x.chunks_mut(TOGETHER * n) {
+        // [`TOGETHER`] right-hand sides, or half of them, or one.
         match x.len() / n {
-            1 => sweep.solve::<1>(x),
-            2..=4 => sweep.solve::<4>(x),
-            _ => sweep.solve::<TOGETHER>(x),
+            1 => sweep.solve::<1>(x, dof),
+            2..=4 => sweep.solve::<4>(x, dof),
+            _ => sweep.solve::<TOGETHER>(x, dof),
         }
     }
 }
@@ -61,8 +64,8 @@ struct Sweep<'a> {
     wanted: Wanted<'a>,
 }
 
-/// Neighbouring supernodes with their part of the unknowns, and of what passes between them and their
-/// parents: one number for each right-hand side.
+/// Neighbouring supernodes with their part of the unknowns and of the updates that go to their parents: one number
+/// for each right-hand side.
 struct Subtrees<'a, const K: usize> {
     supernodes: Range<usize>,
     x: &'a mut [[f64; K]],
@@ -70,26 +73,26 @@ struct Subtrees<'a, const K: usize> {
 }
 
 impl Sweep<'_> {
-    /// `K` vectors one after the other, or fewer.
-    fn solve<const K: usize>(&self, vectors: &mut [f64]) {
+    /// Solves for `K` vectors one after the other, or fewer.
+    fn solve<const K: usize>(&self, vectors: &mut [f64], dof: impl Fn(usize) -> usize) {
         let n = self.structure.dofs();
         let mut x = vec![[0.0; K]; n];
-        let mut work = vec![[0.0; K]; self.rows(0..self.structure.n_supernodes()).len()];
+        let mut work = vec![[0.0; K]; self.rows(0..self.structure.len()).len()];
         for (column, x) in x.iter_mut().enumerate() {
-            let own = vectors[self.structure.dof(column)..].iter().step_by(n);
+            let own = vectors[dof(column)..].iter().step_by(n);
             x.iter_mut().zip(own).for_each(|(x, &own)| *x = own);
         }
         let roots = self.structure.roots();
         for run in [Sweep::up, Sweep::down] {
             let all = Subtrees {
-                supernodes: 0..self.structure.n_supernodes(),
+                supernodes: 0..self.structure.len(),
                 x: &mut x,
                 work: &mut work,
             };
             self.share_out(&roots, all, run);
         }
         for (column, x) in x.iter().enumerate() {
-            let own = vectors[self.structure.dof(column)..].iter_mut().step_by(n);
+            let own = vectors[dof(column)..].iter_mut().step_by(n);
             x.iter().zip(own).for_each(|(x, own)| *own = *x);
         }
     }
@@ -159,12 +162,12 @@ impl Sweep<'_> {
     /// `None` if the whole subtree is for one thread.
     fn fork(&self, root: usize) -> Option<usize> {
         let mut top = root;
-        if self.entries(root) < LEAST_ENTRIES {
+        if self.entries(root) < SUBTREE_ENTRIES {
             return None;
         }
         loop {
             let mut large = (self.structure.children_from_last(top))
-                .filter(|&c| self.entries(c) >= LEAST_ENTRIES);
+                .filter(|&c| self.entries(c) >= SUBTREE_ENTRIES);
             match (large.next(), large.next()) {
                 (Some(only), None) => top = only,
                 (None, _) => return None,
@@ -275,7 +278,7 @@ impl Sweep<'_> {
                 (0..K).for_each(|k| to[k] += from[k]);
             }
         }
-        // Far from few forces nothing arrives: most of L need not be read on the way up.
+        // Far from few forces all is zero: most of L need not be read on the way up.
         if front.iter().all(|f| f.iter().all(|&f| f == 0.0)) {
             return;
         }

@@ -4,6 +4,10 @@ use super::StaticsError;
 use super::structure::Structure;
 use crate::boundary::Boundary;
 use crate::linear_solver::Backend;
+use crate::linear_solver::rates::{
+    BREAKABLE_BYTES, DIRECT_VECTORS, ENTRY_BYTES, ENTRY_RATE, FACTOR_RATE, FRACTURE_BYTES,
+    ITERATION_RATE, ITERATIONS, ITERATIVE_VECTORS, KEPT_SHARE, WAITING_SHARE,
+};
 use crate::model::Model;
 use crate::phases::{Phases, held_memory, peak_memory};
 use std::time::Duration;
@@ -12,46 +16,14 @@ use std::time::Duration;
 pub struct Estimate {
     pub dofs: usize,
     pub backend: Backend,
-    /// Of L; of the coarse level's where there are two, and then a guess.
+    /// Stored entries of L; an estimate of the coarse level's where there are two levels.
     pub factor_entries: usize,
-    /// Of the numeric factorisation.
+    /// Multiplications and additions of the numeric factorisation.
     pub flops: f64,
-    /// Peak memory.
+    /// Peak memory [bytes].
     pub bytes: u64,
     pub time: Duration,
 }
-
-/// Flops per second of the factorisation, and entries of K per second of everything else: fitted to
-/// lattices of 16 000 to 258 000 dofs on two cores with AVX-512. A rough guide elsewhere.
-const FACTOR_RATE: f64 = 2e10;
-const ENTRY_RATE: f64 = 3e6;
-
-/// Entries of K per second and iteration, and iterations, of a solution on two levels: fitted to lattices
-/// of 62 500 to 10⁶ points.
-const ITERATION_RATE: f64 = 4e8;
-const ITERATIONS: f64 = 45.0;
-
-/// Of an entry of K or L [bytes].
-const ENTRY: f64 = 8.0;
-
-/// Vectors of all dofs that a solution holds at a time, results included: by factors, and by conjugate
-/// gradients with smoother and coarse space.
-const VECTORS: f64 = 12.0;
-const ITERATIVE_VECTORS: f64 = 20.0;
-
-/// Updates that wait for their parents, with the room that was kept for smaller and larger ones and on
-/// other threads, over those of one subtree after the other: fitted to 41 000 points on two threads.
-const WAITING: f64 = 2.5;
-
-/// Bytes of an interaction in a fracture run: its law, the length of crack that it stands for, its integrity in
-/// the state; and of a fracture run of any size. Both fitted to the same and to
-/// 10⁶ points [bytes].
-const BREAKABLE: f64 = 48.0;
-const FRACTURE: f64 = 15e6;
-
-/// What a fracture run holds over the entries of L: to factorise again only above what broke, and to update the response.
-/// Nothing where little breaks, 0.8 to 1.4 where a body is torn apart (31 000 to 118 000 dofs); between the two.
-const KEPT: f64 = 0.5;
 
 impl Estimate {
     /// `backend`: what K is solved by, if its size is not to decide; `breaks`: whether bonds may break.
@@ -78,19 +50,21 @@ impl Estimate {
         let stiffness = structure.stiffness_entries() as f64;
         let (copies, vectors) = match backend {
             // K as it is, and with its supports.
-            Backend::Multifrontal | Backend::Faer => (2.0, VECTORS),
+            Backend::Multifrontal | Backend::Faer => (2.0, DIRECT_VECTORS),
             Backend::TwoLevel => (1.0, ITERATIVE_VECTORS),
         };
         let kept = match backend {
-            Backend::Multifrontal if interactions > 0 => KEPT,
+            Backend::Multifrontal if interactions > 0 => KEPT_SHARE,
             _ => 0.0,
         };
-        let factors = (1.0 + kept) * size.entries as f64 + WAITING * size.waiting_entries as f64;
+        let factors =
+            (1.0 + kept) * size.entries as f64 + WAITING_SHARE * size.waiting_entries as f64;
         let fracture = match interactions {
             0 => 0.0,
-            interactions => FRACTURE + BREAKABLE * interactions as f64,
+            interactions => FRACTURE_BYTES + BREAKABLE_BYTES * interactions as f64,
         };
-        let solving = ENTRY * (copies * stiffness + factors + vectors * dofs as f64) + fracture;
+        let solving =
+            ENTRY_BYTES * (copies * stiffness + factors + vectors * dofs as f64) + fracture;
         let bytes = held_memory().unwrap_or(0) + solving as u64;
         let seconds = match backend {
             Backend::Multifrontal | Backend::Faer => {

@@ -1,4 +1,4 @@
-//! K with its supports, ready to be solved with many times while interactions break.
+//! K with its supports, factorised, for many solutions while interactions change.
 
 use super::Solution;
 use super::system::{System, norm, vectors};
@@ -7,12 +7,13 @@ use crate::linear_solver::Factorisation;
 use crate::linear_solver::compliance::UnitLoads;
 use crate::model::Model;
 
-/// K with its supports, ready to be solved with; bonds that break later are rank-one changes of it.
+/// K with its supports, factorised; interactions that change later are rank-one changes of it.
 pub struct Factorised {
     pub(super) system: System,
     pub(super) factor: Box<dyn Factorisation>,
-    /// Stored entries of the factor, and multiplications and additions that it took.
+    /// Stored entries of L.
     pub entries: usize,
+    /// Multiplications and additions of a whole factorisation.
     pub flops: f64,
 }
 
@@ -50,7 +51,8 @@ impl Factorised {
         self.clear_held(forces);
     }
 
-    /// The same where only the displacements of some nodes are asked for; those of others may be missing.
+    /// Does as [`Factorised::respond`] where only the displacements of some nodes are needed; those of others may
+    /// be missing.
     pub fn respond_at(&self, nodes: &[u32], forces: &mut [f64]) {
         self.clear_held(forces);
         match self.factor.solve_at(nodes, forces) {
@@ -102,6 +104,7 @@ impl Factorised {
         }
     }
 
+    /// The number of unknowns.
     pub fn dofs(&self) -> usize {
         self.system.is_held.len()
     }
@@ -117,7 +120,7 @@ impl Factorised {
     }
 }
 
-/// Adds f w.
+/// Adds f w to forces by dof.
 fn add_interaction_force(force: &mut [f64], model: &Model, interaction: usize, f: f64) {
     model.for_each_term(interaction, |node, w| {
         let node = node as usize;

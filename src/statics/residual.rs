@@ -13,8 +13,7 @@
 //! All unknowns are displacements, so that one norm serves for all of them. ‖·‖ is the Euclidean norm over the
 //! free dofs; ‖K‖∞ stands for ‖K‖₂, which it bounds.
 
-/// Beyond this ‖f − K u‖/‖f‖ rounding leaves u few digits or none: K is close to singular.
-const MOST_RELATIVE: f64 = 1e-4;
+use crate::linear_solver::policy::LARGEST_RELATIVE_RESIDUAL;
 
 /// The residual of one solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +48,7 @@ impl Residual {
     pub fn violation(self, goal: f64) -> Option<(f64, f64)> {
         let measures = [
             (self.backward_error(), goal),
-            (self.relative(), MOST_RELATIVE),
+            (self.relative(), LARGEST_RELATIVE_RESIDUAL),
         ];
         let is_sound = |(value, limit): &(f64, f64)| value <= limit;
         measures.into_iter().find(|measure| !is_sound(measure))

@@ -1,9 +1,9 @@
-//! What of K stays the same while bonds break: the elements' part, the pattern, the structure of the
-//! factors.
+//! The part of a system that stays the same while bonds break: the elements' stiffness, the pattern of K, the
+//! structure of its factors.
 
 mod cells;
 
-use crate::assembly::{ElementStiffness, Lists, LowerMatrix, Pattern};
+use crate::assembly::{ElementStiffness, Lists, LowerMatrix, Pattern, UNKNOWNS};
 use crate::interactions::Interactions;
 use crate::linear_solver::ordering::{Ordering, elimination_order};
 use crate::linear_solver::two_level::Coarsening;
@@ -11,6 +11,7 @@ use crate::linear_solver::{Backend, SolverError, SymmetricSolver, cholesky, faer
 use crate::model::Model;
 use crate::phases::Phases;
 
+/// The elements' stiffness, the pattern of K, and the backend that has analysed it.
 pub(super) struct Structure {
     elements: Vec<ElementStiffness>,
     pattern: Pattern,
@@ -33,17 +34,17 @@ impl Structure {
             Pattern::new(nodes, &model.interactions, &elements)
         });
         let solver: Box<dyn SymmetricSolver> =
-            match backend.unwrap_or_else(|| Backend::choose(&pattern.graph)) {
+            match backend.unwrap_or_else(|| Backend::choose::<UNKNOWNS>(&pattern.graph)) {
                 Backend::Multifrontal => {
                     let order = phases.measure("ordering", || order(&pattern.graph))?;
                     Box::new(phases.measure("symbolic", || {
-                        cholesky::Symbolic::with_order(pattern.symbolic(), &order)
+                        cholesky::Symbolic::<UNKNOWNS>::with_order(pattern.symbolic(), &order)
                     }))
                 }
                 Backend::Faer => {
                     let order = phases.measure("ordering", || order(&pattern.graph))?;
                     Box::new(phases.measure("symbolic", || {
-                        faer::Symbolic::with_order(pattern.symbolic(), &order)
+                        faer::Symbolic::with_order::<UNKNOWNS>(pattern.symbolic(), &order)
                     })?)
                 }
                 Backend::TwoLevel => Box::new(Coarsening {
@@ -89,12 +90,12 @@ impl Structure {
         );
     }
 
-    /// Who shares stiffness with whom.
+    /// The nodes with which each node shares stiffness.
     pub(super) fn graph(&self) -> &Lists {
         &self.pattern.graph
     }
 
-    /// Some mean of K's diagonal, the same whatever has broken: its scale [N/m].
+    /// A mean of K's diagonal, the same whatever has broken: the scale of K [N/m].
     pub(super) fn mean_diagonal(&self, interactions: &Interactions, dofs: usize) -> f64 {
         let of_interactions: f64 = interactions.stiffness.iter().map(|k| 2.0 * k).sum();
         let elements = self.elements.iter();

@@ -4,9 +4,8 @@ use super::residual::Residual;
 use crate::assembly::LowerMatrix;
 use crate::boundary::Boundary;
 use crate::linear_solver::Factorisation;
+use crate::linear_solver::policy::MOST_REFINEMENTS;
 use std::collections::BTreeSet;
-
-const MOST_REFINEMENTS: usize = 3;
 
 /// K with its supports.
 pub(super) struct System {
@@ -14,22 +13,23 @@ pub(super) struct System {
     pub stiffness: LowerMatrix,
     /// ‖K‖∞ when K was assembled [N/m]; it only falls while interactions break.
     norm: f64,
+    /// Whether each dof is held.
     pub is_held: Vec<bool>,
     /// Dofs of pinned parts.
     pinned: Vec<usize>,
 }
 
-/// What a system is solved for.
+/// Supports and loads that a system is solved for.
 pub(super) struct Case {
-    /// [m].
+    /// Prescribed displacement of each dof [m].
     prescribed: Vec<Option<f64>>,
     /// f in the axes of the nodes [N].
     load: Vec<f64>,
 }
 
-/// Dof by dof.
+/// A solution, dof by dof.
 pub(super) struct Solved {
-    /// [m].
+    /// u [m].
     pub displacement: Vec<f64>,
     /// K u [N].
     pub force: Vec<f64>,
@@ -63,6 +63,7 @@ impl System {
         self.pinned.iter().for_each(|&dof| self.is_held[dof] = true);
     }
 
+    /// The supports and loads of a boundary, pinned parts held at zero.
     pub fn case(&self, boundary: &Boundary) -> Case {
         let mut prescribed = vec![None; boundary.load.len()];
         self.pinned
@@ -77,6 +78,7 @@ impl System {
         }
     }
 
+    /// Solves and refines. `guess`: displacements near the solution, by node [m].
     pub fn solve(
         &self,
         case: &Case,
@@ -160,11 +162,12 @@ impl Case {
     }
 }
 
-/// Dofs as vectors, node by node.
+/// Numbers by dof as vectors by node.
 pub(super) fn vectors(dofs: &[f64]) -> Vec<[f64; 2]> {
     dofs.chunks_exact(2).map(|d| [d[0], d[1]]).collect()
 }
 
+/// ‖v‖₂.
 pub(super) fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

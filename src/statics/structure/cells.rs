@@ -1,11 +1,9 @@
-//! Which nodes may move as one on the coarse level of a two-level solution: material points within a
+//! Cells of nodes that may move as one on the coarse level of a two-level solution: material points within a
 //! square as wide as their horizon, along the lattice's axes. Nodes of finite elements stay apart: they
 //! are few, and their elements are as large as such squares.
 
+use crate::linear_solver::policy::LEAST_CELL_SPACINGS;
 use crate::model::{Method, Model};
-
-/// Squares are at least this many spacings wide.
-const LEAST_SPACINGS: f64 = 4.0;
 
 /// A number per node, the same for those in one square.
 pub(super) fn cells(model: &Model) -> Vec<u32> {
@@ -25,7 +23,7 @@ pub(super) fn cells(model: &Model) -> Vec<u32> {
         let spacing = settings.lattice.spacing;
         // Half a spacing below the first points, so that none lies between two squares.
         let low = [0, 1].map(|axis| bound(axis, f64::min, f64::INFINITY) - 0.5 * spacing);
-        let side = spacing * settings.horizon_ratio.floor().max(LEAST_SPACINGS);
+        let side = spacing * settings.horizon_ratio.floor().max(LEAST_CELL_SPACINGS);
         let square = |x: &[f64; 2]| [0, 1].map(|axis| ((x[axis] - low[axis]) / side) as usize);
         let columns = 1 + local.iter().map(|x| square(x)[0]).max().unwrap_or(0);
         // Numbered by the first point in each.

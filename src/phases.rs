@@ -1,11 +1,12 @@
 //! What a run costs: the wall time of each phase, and the most memory that the whole has held.
 
 use crate::trace::{Kind, Trace};
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
 /// One named phase.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Phase {
     pub name: Cow<'static, str>,
     /// Of all its runs together.
@@ -15,9 +16,10 @@ pub struct Phase {
 }
 
 /// Phases in the order in which they first ran.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub struct Phases {
     pub list: Vec<Phase>,
+    #[serde(skip)]
     trace: Trace,
 }
 
@@ -65,8 +67,9 @@ impl Phases {
         let name = name.into();
         match self.list.iter_mut().find(|phase| phase.name == name) {
             Some(phase) => {
-                phase.time += time;
-                phase.count += count;
+                // Times of a stored stage may be forged.
+                phase.time = phase.time.saturating_add(time);
+                phase.count = phase.count.saturating_add(count);
             }
             None => self.list.push(Phase { name, time, count }),
         }
@@ -86,7 +89,8 @@ impl Phases {
     }
 
     pub fn total(&self) -> Duration {
-        self.list.iter().map(|phase| phase.time).sum()
+        let times = self.list.iter().map(|phase| phase.time);
+        times.fold(Duration::ZERO, Duration::saturating_add)
     }
 
     pub fn trace(&self) -> &Trace {

@@ -11,7 +11,8 @@ use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::Plan;
 use crate::pipeline::read::source::InputError;
 use crate::pipeline::record::stamp::Stage;
-use crate::pipeline::stages::run::{self, Options, Standing};
+use crate::pipeline::stages::run::{self, Options};
+use crate::pipeline::stages::standing::{Standing, standings};
 use crate::trace::Trace;
 use clap::{Args, ValueEnum};
 use rayon::ThreadPoolBuilder;
@@ -204,7 +205,7 @@ fn run_one(plan: &Plan, options: &Options, arguments: &RunArguments) -> Result<(
 
 /// Why stages run, to standard error.
 fn tell_reasons(plan: &Plan) -> Result<(), RunError> {
-    for (stage, standing) in run::standings(plan)? {
+    for (stage, standing) in standings(plan)? {
         let Standing::Stale(reasons) = standing else {
             continue;
         };
@@ -231,7 +232,7 @@ fn good_end(plan: &Plan, summary: &Summary) -> Result<(), RunError> {
 }
 
 fn announce(plan: &Plan, options: &Options) -> Result<(), RunError> {
-    for (stage, standing) in run::standings(plan)? {
+    for (stage, standing) in standings(plan)? {
         if stage <= options.until {
             let verb = match standing {
                 _ if options.force => "would run".to_owned(),

@@ -5,4 +5,5 @@ pub mod meshing;
 pub mod parameters;
 pub mod recipe;
 pub mod run;
+pub mod standing;
 pub mod validate;

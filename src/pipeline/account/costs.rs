@@ -1,15 +1,14 @@
-//! What a run costs: times of its phases, bytes of its files, memory; and how a stage's share of that is
-//! kept for the summary of a later run, which finds the stage fresh.
+//! What a run costs: times of its phases, bytes of its files, memory. A stage's manifest keeps its share for
+//! the summary of a later run, which finds the stage fresh.
 
 use super::summary::{CostSummary, FilesSummary, MemorySummary, PhaseSummary, WrittenSummary};
 use super::written_file::WrittenFile;
 use crate::phases::{Phase, Phases};
 use crate::statics::SystemSize;
 use serde::{Deserialize, Serialize};
-use std::time::Duration;
 
-/// Of a stage, or of several.
-#[derive(Clone, Debug, Default)]
+/// Costs of a stage, or of several.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Costs {
     /// One after the other: they sum to the time of the stages.
     pub phases: Phases,
@@ -17,7 +16,8 @@ pub struct Costs {
     pub behind: Phases,
     /// The frames that the solve has written.
     pub frames: Option<FilesSummary>,
-    /// Results of the output stage.
+    /// Results of the output stage. No manifest keeps them: a fresh output stage has its summary.
+    #[serde(skip)]
     pub made: Vec<WrittenFile>,
     /// The most memory that the process had held by then [bytes].
     pub peak_memory: Option<u64>,
@@ -69,58 +69,10 @@ impl Costs {
     }
 }
 
-/// What a manifest keeps of a stage's costs.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct StoredCosts {
-    phases: Vec<StoredPhase>,
-    behind: Vec<StoredPhase>,
-    frames: Option<FilesSummary>,
-    peak_memory: Option<u64>,
-}
-
-/// Name, seconds, how often.
-type StoredPhase = (String, f64, usize);
-
-impl From<&Costs> for StoredCosts {
-    fn from(costs: &Costs) -> StoredCosts {
-        let stored = |phases: &Phases| {
-            let list = phases.list.iter();
-            list.map(|p| (p.name.to_string(), p.time.as_secs_f64(), p.count))
-                .collect()
-        };
-        StoredCosts {
-            phases: stored(&costs.phases),
-            behind: stored(&costs.behind),
-            frames: costs.frames.clone(),
-            peak_memory: costs.peak_memory,
-        }
-    }
-}
-
-impl From<StoredCosts> for Costs {
-    fn from(stored: StoredCosts) -> Costs {
-        let phases = |stored: Vec<StoredPhase>| {
-            let mut phases = Phases::default();
-            phases.append(stored.into_iter().map(|(name, seconds, count)| Phase {
-                name: name.into(),
-                time: Duration::try_from_secs_f64(seconds).unwrap_or_default(),
-                count,
-            }));
-            phases
-        };
-        Costs {
-            phases: phases(stored.phases),
-            behind: phases(stored.behind),
-            frames: stored.frames,
-            peak_memory: stored.peak_memory,
-            ..Costs::default()
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::Duration;
 
     #[test]
     fn every_phase_of_a_stage_comes_back_whatever_its_name() {
@@ -131,7 +83,8 @@ mod tests {
         let time = Duration::from_millis(250);
         costs.phases.add("active zone", time, 3);
         costs.behind.add("frames", time, 5);
-        let restored = Costs::from(StoredCosts::from(&costs));
+        let kept = serde_json::to_string(&costs).expect("plain data");
+        let restored: Costs = serde_json::from_str(&kept).expect("what was kept");
         assert_eq!(restored.phases.list, costs.phases.list);
         assert_eq!(restored.behind.list, costs.behind.list);
         assert_eq!(restored.peak_memory, Some(7));

@@ -3,7 +3,7 @@
 //! modification play no part.
 
 use crate::output::{WriteError, write_durable};
-use crate::pipeline::account::costs::StoredCosts;
+use crate::pipeline::account::costs::Costs;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -126,7 +126,7 @@ fn map_differences(
 }
 
 /// A recipe and what came of it, as it stands in `.stamps/STAGE.json`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Manifest {
     /// Absent while the stage is writing.
     pub recipe: Option<Recipe>,
@@ -134,7 +134,7 @@ pub struct Manifest {
     pub outputs: BTreeMap<String, String>,
     /// What the stage took. Here, and not in the outputs, so that equal work gives equal bytes.
     #[serde(default)]
-    pub costs: StoredCosts,
+    pub costs: Costs,
 }
 
 /// Why a stage must run; empty where its result is good.

@@ -9,7 +9,7 @@ use crate::pipeline::error::RunError;
 use crate::pipeline::read::quantity;
 use crate::pipeline::read::spec::Combine;
 use crate::pipeline::record::history::quoted;
-use crate::pipeline::stages::run::{Standing, standings};
+use crate::pipeline::stages::standing::{Standing, standings};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! The reference of the pipeline file, from the types that read it: a section for each map, a line
+//! The reference of the pipeline file, from the types that read it: a section for each map, a list item
 //! for each key.
 
 use super::spec::Spec;
@@ -8,7 +8,8 @@ use serde_json::Value;
 const HEAD: &str = "# Reference of the pipeline file\n\n\
     `peristitch schema --markdown` writes this page from the types that read a pipeline; \
     [pipeline.md](pipeline.md) is the guide. A *quantity* is a number with a unit, such as `30 GPa`; \
-    a bare number is SI. What has no default and is not required may be left out.\n";
+    a bare number is SI. In parentheses: type, unit, default. A key without a default that is not \
+    required may be omitted.\n";
 
 /// The page, as `docs/pipeline_reference.md` holds it.
 pub fn text() -> String {
@@ -25,18 +26,18 @@ pub fn text() -> String {
 
 fn section(title: &str, schema: &Value, types: &Value) -> String {
     let keys = schema["properties"].as_object().expect("a map has keys");
-    let lines = keys
+    let items = keys
         .iter()
-        .map(|(key, value)| line(key, value, schema, types));
+        .map(|(key, value)| item(key, value, schema, types));
     format!(
-        "\n## {}\n\n{}| key | type | default | unit | meaning |\n| --- | --- | --- | --- | --- |\n{}",
+        "\n## {}\n\n{}{}",
         in_words(title),
         described(schema).map_or(String::new(), |text| text + "\n\n"),
-        lines.collect::<String>()
+        items.collect::<String>()
     )
 }
 
-fn line(key: &str, value: &Value, of: &Value, types: &Value) -> String {
+fn item(key: &str, value: &Value, of: &Value, types: &Value) -> String {
     let meaning = described(value).unwrap_or_default();
     let (meaning, unit) = split(&meaning, " Unit: ");
     let (meaning, told) = split(meaning, " Default: ");
@@ -48,13 +49,21 @@ fn line(key: &str, value: &Value, of: &Value, types: &Value) -> String {
         Some(default) => written(default),
         None => told.to_owned(),
     };
-    format!(
-        "| `{key}` | {} | {default} | {unit} | {meaning} |\n",
-        kind(value, types)
-    )
+    let kind = match unit {
+        "" => kind(value, types),
+        unit => format!("{} [{unit}]", kind(value, types)),
+    };
+    let default = match default.as_str() {
+        "" | "required" => default,
+        default => format!("default {default}"),
+    };
+    let details = [kind, default];
+    let details = details.into_iter().filter(|text| !text.is_empty());
+    let details: Vec<String> = details.collect();
+    format!("- `{key}` ({}): {meaning}\n", details.join("; "))
 }
 
-/// A default as one would write it: of maps with settings their name, of others nothing.
+/// A default as a pipeline has it: of a map with settings its name, of another one nothing.
 fn written(default: &Value) -> String {
     let text = match default.as_object() {
         Some(map) if map.len() == 1 => map.keys().cloned().collect(),
@@ -64,7 +73,7 @@ fn written(default: &Value) -> String {
     format!("`{text}`")
 }
 
-/// The text before the mark, and that behind it without its full stop.
+/// The text before the mark, and the text after it without its full stop.
 fn split<'a>(text: &'a str, mark: &str) -> (&'a str, &'a str) {
     let (before, behind) = text.split_once(mark).unwrap_or((text, ""));
     (before, behind.trim_end_matches('.'))
@@ -72,7 +81,7 @@ fn split<'a>(text: &'a str, mark: &str) -> (&'a str, &'a str) {
 
 fn described(schema: &Value) -> Option<String> {
     let text = schema.get("description")?.as_str()?;
-    Some(text.replace('\n', " ").replace('|', "\\|"))
+    Some(text.replace('\n', " "))
 }
 
 /// The type in words; that of a map is a link to its section.
@@ -147,7 +156,7 @@ fn simple(name: &Value) -> String {
     .to_owned()
 }
 
-/// What a name of the schema stands for: quantities in a word, maps as a link, the rest spelled out.
+/// The type of this name: a quantity as a word, a map as a link, any other spelled out.
 fn named(name: &str, types: &Value) -> String {
     let schema = &types[name];
     if name == "Scalar" {

@@ -9,34 +9,33 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Boundary {
-    /// A physical curve or point ([what it acts on](method.md#7-supports-and-loads)); for
-    /// `body_force` a surface.
+    /// A physical curve or point ([rule](method.md#7-supports-and-loads)); for `body_force` a
+    /// surface.
     #[serde(deserialize_with = "name")]
     #[schemars(schema_with = "name_schema")]
     pub group: String,
-    /// Prescribed components; what is not named is free. Unit: m.
+    /// Prescribed components; the others are free. Unit: m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Displacement>,
-    /// Force per area in fixed directions; what is not named is 0. Curves only. Unit: Pa.
+    /// Force per area on a curve, in fixed directions. Unit: Pa.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub traction: Option<Components>,
-    /// Acts against the outward normal; negative pulls. Curves only. Unit: Pa.
+    /// Pressure on a curve, against the outward normal; a negative one pulls. Unit: Pa.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Scalar>,
-    /// In all, on a curve (shared along it) or on a point. In a peridynamic region a force on a point
-    /// is spread over the points within δ ([how](method.md#7-supports-and-loads)). Unit: N.
+    /// Total force on a curve or a point. Unit: N.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub force: Option<Components>,
-    /// On a physical surface. Unit: N/m³.
+    /// Force per volume of a physical surface. Unit: N/m³.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body_force: Option<Components>,
-    /// The phase of `loading.phases` that applies it; the other phases hold its displacements where
-    /// they are. Without it: a support, the same in all phases.
+    /// The phase of `loading.phases` that applies it; later phases hold its displacements. Without
+    /// it: a support in all phases.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<String>,
 }
 
-/// A vector in fixed directions, in the unit of the key that it stands under.
+/// A vector in fixed directions, in the unit of its key. Components without a value are 0.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Components {
@@ -48,7 +47,7 @@ pub struct Components {
     pub y: Option<Scalar>,
 }
 
-/// Along x and y, or along axes turned by `angle`; or along the curve's normal and tangent.
+/// Components along x and y, along axes turned by `angle`, or along the curve's normal and tangent.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Displacement {
@@ -58,8 +57,8 @@ pub struct Displacement {
     /// Along y, or along y turned by `angle`. Unit: m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub y: Option<Scalar>,
-    /// Turns the directions of `x` and `y` counter-clockwise: `{ y: 0, angle: 30 deg }` is a roller
-    /// on a slope of 30°. Default: `0`. Unit: rad.
+    /// Angle of the directions of `x` and `y`, counter-clockwise: `{ y: 0, angle: 30 deg }` is a
+    /// roller on a slope. Default: `0`. Unit: rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle: Option<Scalar>,
     /// Along the curve's outward normal, instead of `x` and `y`: `{ normal: 0 }` is a roller on a curve.

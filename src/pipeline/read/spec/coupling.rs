@@ -25,7 +25,7 @@ pub struct Truss {
     /// nodes, such as `12.5 mm^2`. Unit: m².
     #[serde(default = "lumped")]
     pub node_area: Scalar,
-    /// Whether a truss breaks, by the limit of the material at its point.
+    /// Whether trusses break, at the limit of the material at their point.
     #[serde(default)]
     pub breakable: bool,
 }

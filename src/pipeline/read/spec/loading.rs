@@ -8,53 +8,53 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Loading {
-    /// When the load grows, and what breaks at once ([controls](pipeline.md#controls)).
+    /// The [load control](pipeline.md#controls).
     pub control: Control,
-    /// The most load steps, or events, from 1 on.
+    /// The largest number of load steps or events.
     pub steps: usize,
-    /// `separated`: ends earlier, when the force falls under 2 % of its peak; `steps`: does not.
+    /// `separated`: the run ends when the reaction falls below 2 % of its peak; `steps`: after all
+    /// steps.
     #[serde(default)]
     pub until: Until,
-    /// Under `equilibrium`, solves at one load.
+    /// The largest number of solves at one load under `equilibrium`.
     #[serde(default = "most_passes")]
     pub most_passes: usize,
     /// Δλ of a load step. Default: `1`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub increment: Option<Scalar>,
-    /// λ at which the run ends; the last step is as short as it must be.
+    /// λ at which the run ends.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<Scalar>,
-    /// A [programme](pipeline.md#programmes) of several phases; `increment` and `to` then stand in
-    /// the phases.
+    /// A [programme](pipeline.md#programmes) of phases, which then have `increment` and `to`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub phases: Vec<Phase>,
-    /// Load steps that another source reports, printed beside the result.
+    /// Load steps of another source, printed beside the result.
     #[serde(default, skip_serializing_if = "ReferenceSteps::is_empty")]
     pub reference: ReferenceSteps,
 }
 
-/// A part of the load that grows by itself while the others rest.
+/// A part of the load that grows while the others are constant.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Phase {
-    /// What `boundary` calls it.
+    /// Its name in `boundary`.
     pub name: String,
     /// Δλ of a load step. Default: `1`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub increment: Option<Scalar>,
-    /// λ at the phase's end, where the next one begins; only the last phase may do without.
+    /// λ at the end of the phase; only the last phase may omit it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<Scalar>,
 }
 
-/// Steps that another source reports.
+/// Load steps of another source.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReferenceSteps {
     /// The load step of the first break.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_break: Option<usize>,
-    /// The load step at which the body is in two.
+    /// The load step of the separation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub separated: Option<usize>,
 }

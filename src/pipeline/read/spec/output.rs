@@ -8,12 +8,12 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Probe {
-    /// Must lie in the box around the body; the nearest element node or material point is read, and
-    /// `summary.json` tells where that is. Unit: m.
+    /// A place in the box around the body; the nearest element node or material point is read.
+    /// Unit: m.
     pub at: [Scalar; 2],
-    /// Which component of the displacement.
+    /// Component of the displacement.
     pub component: Component,
-    /// What it should be: the error against it is reported. Unit: m.
+    /// Expected value; the error is reported. Unit: m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference: Option<Scalar>,
 }
@@ -25,28 +25,27 @@ pub enum Component {
     Y,
 }
 
-/// What is written to `results/NAME/`.
+/// The files in `results/NAME/`.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
     /// Fields in the VTU files.
     pub fields: Vec<OutputField>,
-    /// Of a fracture run: a frame at every so many steps. The start, the first break and the end
+    /// Steps from one frame of a fracture run to the next. The start, the first break and the end
     /// always have one.
     pub every: usize,
     /// Write bonds and trusses as lines.
     pub bonds: bool,
-    /// Which pictures are drawn; `principal-stress` is the largest. `true`: all but `von-mises`.
+    /// The pictures to draw; `true`: all but `von-mises`.
     pub pictures: Pictures,
-    /// Steps of a fracture run whose damage is drawn, as `damage_000057.png`; they have a frame,
-    /// whatever `every` says. A step that the run does not come to gives a note.
+    /// Steps of a fracture run whose damage is drawn, as `damage_000057.png`; they have a frame.
     pub pictures_at: Vec<usize>,
-    /// Of the pictures.
+    /// Formats of the pictures.
     pub formats: Vec<Format>,
-    /// Of a fracture run: `crack.gif`. Default: as `pictures`.
+    /// Write `crack.gif` of a fracture run. Default: as `pictures`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub animation: Option<bool>,
-    /// `report.html`. Default: as `pictures`.
+    /// Write `report.html`. Default: as `pictures`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub report: Option<bool>,
 }

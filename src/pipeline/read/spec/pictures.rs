@@ -37,7 +37,7 @@ pub enum Pictures {
 }
 
 impl Pictures {
-    /// In the order in which the results list them, each once.
+    /// The pictures in the order in which the results list them, each once.
     pub fn kinds(&self) -> Vec<PictureKind> {
         use PictureKind::{
             Damage, DisplacementX, DisplacementY, Energies, LoadDisplacement, Mesh,

@@ -10,9 +10,9 @@ use std::fmt;
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sweep {
-    /// What is varied, as `--set` names it, and the values.
+    /// Values of each key, named as in `--set`.
     pub over: BTreeMap<String, Values>,
-    /// `crossed`: every value with every other; `zipped`: the first of each, the second of each.
+    /// `crossed`: every combination of values; `zipped`: the first of each, the second of each.
     #[serde(default)]
     pub combine: Combine,
 }
@@ -44,14 +44,14 @@ pub struct Range {
     pub from: Scalar,
     /// The last value.
     pub to: Scalar,
-    /// How many, both ends included.
+    /// The number of values, both ends included.
     pub count: usize,
-    /// What is equal between neighbours: `linear`: the difference; `log`: the ratio.
+    /// `linear`: equal differences; `log`: equal ratios.
     #[serde(default)]
     pub scale: Scale,
 }
 
-/// What is the same between two values of a range that follow each other.
+/// The quantity that is constant from one value of a range to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scale {

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, ThreadId};
 use std::time::{Duration, Instant};
 
-/// What a span stands for, from the outermost to the innermost.
+/// Kind of a span, from the outermost to the innermost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     /// One pipeline.
@@ -15,7 +15,7 @@ pub enum Kind {
     Stage,
     /// A load step or an event.
     Step,
-    /// What [`crate::phases::Phases`] sums.
+    /// A phase, as [`crate::phases::Phases`] sums them.
     Phase,
     /// One file.
     File,
@@ -68,7 +68,7 @@ impl Trace {
         self.0.is_some()
     }
 
-    /// What follows belongs to this step.
+    /// Sets the step to which the following spans belong.
     pub fn set_step(&self, step: Option<usize>) {
         if let Some(recorder) = &self.0 {
             let step = step.map_or(0, |step| step + 1);

@@ -92,7 +92,7 @@ fn line([a, b]: Segment, point: u32, x: [f64; 2]) -> Line {
     }
 }
 
-/// What of 0 ≤ s ≤ `length` each point is the nearest to; points that are equally near share it.
+/// Share of 0 ≤ s ≤ `length` to which each point is the nearest; points that are equally near share it.
 fn shares(lines: &[Line], length: f64, tie: f64) -> Vec<(u32, f64)> {
     let mut parts = Vec::new();
     let mut from = 0.0;

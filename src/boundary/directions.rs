@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::model::node_axes::direction;
 use std::collections::BTreeMap;
 
-/// What the two components of a prescribed displacement are.
+/// The directions of the two components of a prescribed displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Directions {
     /// Along x and y turned counter-clockwise by this angle [rad].
@@ -149,7 +149,7 @@ impl Boundary {
         .collect()
     }
 
-    /// What several supports with different axes say of one node.
+    /// Combines several supports with different axes at one node.
     fn merge(&mut self, model: &Model, node: usize, held: &[Held]) -> Result<(), BoundaryError> {
         let first = &held[0];
         let other = held

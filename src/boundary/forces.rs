@@ -181,7 +181,7 @@ fn spread(
     weights.iter().map(on_point).collect()
 }
 
-/// What of some cells each material point stands for [m³].
+/// Volume of some cells that each material point represents [m³].
 fn volumes_of_points(
     model: &Model,
     points: &PointRegion,

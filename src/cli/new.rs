@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 const GEOMETRY: &str = include_str!("new/plate.geo");
 const PIPELINE: &str = include_str!("new/plate.yaml");
 
-/// What the pipeline's first line names.
+/// The schema that the pipeline's first line names.
 const SCHEMA_FILE: &str = "pipeline.schema.json";
 
 /// Writes `NAME.geo` and `NAME.yaml`, beside them the schema unless it is there, and returns where they are. `path`: the name, with a folder before

@@ -1,4 +1,4 @@
-//! What the commands print. `std`'s own macros panic where nobody reads any more or the disk is full; these
+//! Output of the commands. `std`'s own macros panic where nobody reads any more or the disk is full; these
 //! let the work go on, and the end of the command tells what was lost.
 
 use std::fmt;

@@ -229,7 +229,8 @@ fn free_memory() -> Option<f64> {
     Some(1024.0 * kilobytes)
 }
 
-/// What runs are expected to take, shared out: who would take too much waits, unless nobody holds any.
+/// The memory that runs are expected to take: a run that would take too much waits, unless no other run
+/// holds any.
 struct Memory {
     limit: f64,
     taken: Mutex<f64>,

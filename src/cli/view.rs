@@ -10,7 +10,7 @@ use std::env;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// Where the script finds the results: ParaView does not tell it where it lies.
+/// Variable by which the script finds the results: ParaView does not pass the script's own path.
 const RESULTS: &str = "PERISTITCH_RESULTS";
 
 /// Starts ParaView and waits for its end.
@@ -87,7 +87,7 @@ pub(super) fn draw(plan: &Plan, file: &Path, step: Option<usize>) -> Result<(), 
     Err(error(message, help))
 }
 
-/// What may be able to draw, the best first. `.venv`: where Gmsh is looked for, too.
+/// Programs that may be able to draw, the best first. `.venv`: where Gmsh is looked for, too.
 fn programs() -> Vec<PathBuf> {
     let mut programs = vec![PathBuf::from("pvpython")];
     let active = env::var_os("VIRTUAL_ENV").map(PathBuf::from);

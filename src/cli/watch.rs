@@ -19,10 +19,10 @@ use std::time::{Duration, Instant, SystemTime};
 /// How often the files are looked at. A save has ended when one look finds nothing new.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// What to watch, and how to run it.
+/// The pipelines to watch, and the options of their runs.
 pub(super) struct Watch {
     pub pipelines: Vec<PathBuf>,
-    /// Of `--set`.
+    /// Values of `--set`.
     pub overrides: Vec<String>,
     /// Further arguments of `run`.
     pub arguments: Vec<OsString>,
@@ -127,7 +127,7 @@ fn ending(status: ExitStatus) -> Option<String> {
 struct Watched {
     pipeline: PathBuf,
     files: BTreeMap<PathBuf, Seen>,
-    /// What has been saved and not yet run.
+    /// The latest save that has not been run yet.
     saved: Option<Saved>,
     /// Whether the last look found nothing new.
     is_quiet: bool,
@@ -193,7 +193,7 @@ impl Watched {
         self.saved.is_some() && self.is_quiet
     }
 
-    /// What the run that begins is for. From here on a change is a new save.
+    /// Returns the save for which a run begins. From here on a change is a new save.
     fn begin(&mut self, watch: &Watch) -> Saved {
         self.find_sources(watch);
         self.saved.take().expect("a run begins when one is due")

@@ -47,8 +47,8 @@ pub enum Resolution {
     Fast,
     /// By a factorisation for every response: what all else is checked against.
     Reference,
-    /// As [`Resolution::Fast`], by one backend whatever the size of the system. A backend that cannot update
-    /// factorises for every response.
+    /// The same as [`Resolution::Fast`], by one backend whatever the size of the system. A backend that
+    /// cannot update factorises for every response.
     By(Backend),
 }
 

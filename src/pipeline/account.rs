@@ -1,4 +1,4 @@
-//! What a run costs: [`costs`] in time, memory and bytes, for [`summary`] and [`profile`].
+//! The cost of a run: [`costs`] in time, memory and bytes, for [`summary`] and [`profile`].
 
 pub mod costs;
 pub mod profile;

@@ -36,7 +36,7 @@ pub enum RunError {
         path: PathBuf,
         source: io::Error,
     },
-    /// What there is has been written.
+    /// The results up to this step have been written.
     #[error("the run stopped behind step {step}: {reason}")]
     Stopped {
         step: usize,
@@ -58,7 +58,7 @@ fn by(holder: &str) -> String {
 }
 
 impl RunError {
-    /// What to do.
+    /// The advice that follows the message.
     pub fn help(&self) -> Option<String> {
         match self {
             RunError::Stopped { folder, .. } => Some(format!(

@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 #[derive(Clone, Debug, PartialEq)]
 pub struct WrittenFile {
     pub name: String,
-    /// Of the numbers in it, as they are in memory.
+    /// Bytes of the numbers in it, as they are in memory.
     pub raw_bytes: u64,
     pub bytes: u64,
-    /// Of one thread: computing the fields, packing, writing.
+    /// Time of one thread for computing the fields, packing and writing.
     pub time: Duration,
 }
 

@@ -65,7 +65,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String, InputError> {
 /// A pipeline is some kilobytes long.
 const LONGEST: u64 = 4 << 20;
 
-/// Which file beside `path` was perhaps meant, or which there are.
+/// The file beside `path` that was perhaps meant, or a list of the files there.
 pub(crate) fn similar_file(path: &Path, extensions: &[&str]) -> Option<String> {
     let folder = path
         .parent()

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use thiserror::Error;
 
-/// What is wrong with the input, where, and how to mend it. Exit code 2.
+/// An error of the input, its place, and the fix. Exit code 2.
 #[derive(Debug, Diagnostic, Error)]
 #[error("{message}")]
 pub struct InputError {

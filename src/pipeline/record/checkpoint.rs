@@ -1,4 +1,4 @@
-//! What a killed run goes on from: the state behind its last step, as it is kept.
+//! The checkpoint from which a killed run continues: the state after its last step.
 
 use super::history::HistoryLine;
 use crate::fracture::control::Problem;
@@ -16,7 +16,7 @@ pub(crate) struct Checkpoint {
     /// Lines of the journal that belong to it.
     pub lines: usize,
     pub frames: Vec<usize>,
-    /// What [`RecordHash::close`] says of both.
+    /// Hash of both by [`RecordHash::close`].
     pub record_hash: String,
 }
 

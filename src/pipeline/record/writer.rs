@@ -28,7 +28,7 @@ pub(crate) const JOURNAL_FILE: &str = ".stamps/journal.bin";
 /// up, and does not fill the memory.
 const MOST_WAITING: usize = 4;
 
-/// What a step leaves.
+/// The record of a step.
 #[derive(Default)]
 pub(crate) struct StepRecord {
     /// The line as it stands in the history, and for the journal.
@@ -43,7 +43,7 @@ pub(crate) struct RecordWriter<'scope> {
     thread: ScopedJoinHandle<'scope, Result<WrittenRecord, RunError>>,
 }
 
-/// What a run has put on the disk along the way.
+/// The files that a run has written on the way.
 pub(crate) struct WrittenRecord {
     pub frames: Vec<WrittenFile>,
     pub phases: Phases,

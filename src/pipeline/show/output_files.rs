@@ -14,7 +14,7 @@ use std::path::Path;
 
 pub(crate) struct OutputFiles<'a> {
     pub outcome: &'a Outcome<'a>,
-    /// Where the files go.
+    /// Folder of the files.
     pub folder: &'a Path,
     pub trace: Trace,
 }

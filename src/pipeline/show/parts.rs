@@ -24,7 +24,7 @@ pub(crate) struct Parts<'a> {
     pub model: &'a Model,
 }
 
-/// What a part shows.
+/// The content of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PartKind {
     Elements,
@@ -33,7 +33,7 @@ pub(crate) enum PartKind {
 }
 
 impl PartKind {
-    /// What ParaView calls it, and what its files are named for.
+    /// Its name in ParaView, and in the names of its files.
     fn names(self) -> [&'static str; 2] {
         match self {
             PartKind::Elements => ["finite elements", "elements"],

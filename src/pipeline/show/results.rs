@@ -1,4 +1,4 @@
-//! What a run leaves in `results/NAME/`: VTU parts and their PVD, pictures.
+//! The files of a run in `results/NAME/`: VTU parts and their PVD, pictures.
 
 use super::animation::AnimationFrames;
 use super::output_files::OutputFiles;
@@ -19,7 +19,7 @@ pub struct Outcome<'a> {
     pub model: &'a Model,
     pub boundary: &'a Boundary,
     pub solved: &'a Solved,
-    /// Where the mesh comes from.
+    /// The source of the mesh.
     pub extract: &'a Extract,
 }
 

@@ -12,7 +12,8 @@ use serde_json::json;
 use std::fmt::Write;
 use std::path::Path;
 
-/// What a job needs besides the study: the program, and the `--results` and `--set` of the command line.
+/// The settings of a job besides the study: the program, and the `--results` and `--set` of the command
+/// line.
 pub struct Job<'a> {
     pub program: &'a Path,
     pub overrides: &'a [String],

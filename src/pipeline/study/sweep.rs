@@ -17,7 +17,7 @@ pub struct Study {
     pub pipeline: PathBuf,
     /// `results/NAME_sweep`: a folder for each run, and the table of all.
     pub folder: PathBuf,
-    /// What is varied, `regions.1.spacing`, in alphabetical order.
+    /// The varied keys, such as `regions.1.spacing`, in alphabetical order.
     pub parameters: Vec<String>,
     pub combine: Combine,
     pub runs: Vec<Run>,
@@ -28,7 +28,7 @@ pub struct Study {
 pub struct Run {
     /// Its folder; made of the values, so that a study that grows keeps the runs that it has.
     pub name: String,
-    /// As they are written, one for each parameter.
+    /// Values as they are written, one for each parameter.
     pub values: Vec<String>,
     /// `--set`s of the command line, of the values and of the name.
     pub overrides: Vec<String>,
@@ -144,7 +144,7 @@ fn points(source: &Source, sweep: &Sweep) -> Result<Vec<Vec<String>>, InputError
     }
 }
 
-/// What is wrong, and the fix.
+/// An error and its fix.
 type Wrong = (String, String);
 
 /// The values as they would be written.

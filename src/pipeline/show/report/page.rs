@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// What the page shows; texts as a person reads them, not escaped.
+/// The content of the page; texts as a person reads them, not escaped.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     pub title: String,
@@ -23,7 +23,7 @@ pub struct Report {
     /// The history's chart, and its points on the chart.
     pub chart: Option<(String, Vec<HistoryPoint>)>,
     pub pictures: Vec<Figure>,
-    /// What the run was made from.
+    /// The input files of the run.
     pub inputs: Vec<Input>,
     /// Key, value: everything, for those who look for it.
     pub table: Vec<[String; 2]>,

@@ -1,4 +1,4 @@
-//! What a fracture run has recorded so far, and how a run that was interrupted goes on from it.
+//! The record of a fracture run so far, from which an interrupted run continues.
 
 use crate::fracture::control::{Problem, Record};
 use crate::fracture::crack_length::crack_lengths;
@@ -135,7 +135,7 @@ impl<'a> RunJournal<'a> {
     }
 }
 
-/// Of what lies in the folder, if all frames do.
+/// Hash of the record in the folder, if all frames are there.
 fn record_hash(folder: &Path, lines: &[HistoryLine], frames: &[usize]) -> Option<RecordHash> {
     let mut record_hash = RecordHash::default();
     lines

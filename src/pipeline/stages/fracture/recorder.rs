@@ -1,4 +1,4 @@
-//! What a step of a fracture run leaves, on its way to the thread that writes it.
+//! The record of a step of a fracture run, on its way to the thread that writes it.
 
 use super::journal::RunJournal;
 use crate::fracture::control::{Ending, Record};
@@ -21,7 +21,7 @@ pub(super) struct Recorder<'a, 'scope> {
     /// Until it meets an error, or the end.
     writer: Option<RecordWriter<'scope>>,
     picture: LivePicture<'scope, 'a>,
-    /// What the solve spends on it.
+    /// Time that the solve spends on it.
     handed_over: Phases,
 }
 

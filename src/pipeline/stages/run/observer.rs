@@ -14,7 +14,7 @@ pub trait Observer {
     fn warns(&mut self, text: &str);
 }
 
-/// Where a fracture run is.
+/// Progress of a fracture run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Step {
     /// Name of the phase; empty where there is only one.

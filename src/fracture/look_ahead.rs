@@ -17,6 +17,8 @@ pub struct LookAhead {
     pub zones: Vec<ZoneRun>,
     /// Largest backward error between zones [-].
     pub residual: f64,
+    /// Number of the state's changes when K was factorised.
+    pub first: usize,
 }
 
 impl LookAhead {

@@ -70,3 +70,8 @@ pub const FAMILY: f64 = 1.0;
 /// So many times as large as asked may a zone be for the sake of families: where much is strained at once, all of
 /// it would be.
 pub const LARGEST_ZONE: usize = 2;
+
+/// A look ahead with fewer events than these is followed by updates of the same factor: where much of the body is
+/// near its limit, as along an interface, a factorisation for every few events would cost some ten updates each
+/// time.
+pub const FEWEST_EVENTS: usize = 8;

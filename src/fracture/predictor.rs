@@ -39,7 +39,10 @@ use super::zone_start::{ZoneSequence, respond};
 use crate::statics::{Factorised, Solution};
 use rayon::prelude::*;
 
-/// The events that follow, of which `load` is the first; `None` where not even that can be predicted.
+/// The events that follow, of which `load` is the first.
+///
+/// # Errors
+/// The factorisation, where not even the first event can be predicted.
 pub fn look_ahead(
     problem: &Problem,
     state: &State,
@@ -47,7 +50,7 @@ pub fn look_ahead(
     base: &Solutions,
     values: &Values,
     load: Load,
-) -> Option<LookAhead> {
+) -> Result<Box<LookAhead>, Box<Factorised>> {
     let functionals = &problem.programme.functionals;
     let mut costs = ZoneCosts::new(&factorised);
     let mut predictor = Predictor {
@@ -65,6 +68,7 @@ pub fn look_ahead(
             touched: Vec::new(),
             zones: Vec::new(),
             residual: 0.0,
+            first: state.changes.len(),
         },
     };
     let (solutions, values) = (base.clone(), values.clone());
@@ -81,7 +85,10 @@ pub fn look_ahead(
         }
     }
     predictor.found.touched = predictor.sequence.dofs().to_vec();
-    (predictor.found.count() > 0).then_some(predictor.found)
+    match predictor.found.count() {
+        0 => Err(Box::new(predictor.found.factorised)),
+        _ => Ok(Box::new(predictor.found)),
+    }
 }
 
 /// State at which a zone begins.

@@ -17,7 +17,7 @@
 use super::event::{Bounds, Event, Load, is_at_limit};
 use super::functional::Values;
 use super::look_ahead::LookAhead;
-use super::policy::{NEAR, TIE};
+use super::policy::{FEWEST_EVENTS, NEAR, TIE};
 use super::predictor::look_ahead;
 use super::problem::{Control, Problem, Resolution};
 use super::solutions::{Solutions, nan_max};
@@ -47,6 +47,20 @@ enum NextResponse {
     Update(Box<Update>, Vec<usize>),
     /// By a new factorisation, or by conjugate gradients.
     Anew,
+}
+
+impl NextResponse {
+    /// By updates of a factorisation, after which the state had `first` changes and the response `solved`.
+    fn update(
+        problem: &Problem,
+        factorised: Factorised,
+        solved: &Solutions,
+        first: usize,
+        state: &State,
+    ) -> NextResponse {
+        let update = Update::new(problem, factorised, solved.clone(), first, state);
+        NextResponse::Update(Box::new(update), Vec::new())
+    }
 }
 
 impl Response {
@@ -89,13 +103,16 @@ impl Response {
         {
             let start = Instant::now();
             let (solved, values) = (&response.solved, &response.values);
-            if let Some(ahead) = look_ahead(problem, state, factorised, solved, values, load) {
-                response.next = NextResponse::LookAhead(Box::new(ahead), 0);
-            }
+            response.next = match look_ahead(problem, state, factorised, solved, values, load) {
+                Ok(ahead) => NextResponse::LookAhead(ahead, 0),
+                Err(factorised) => {
+                    NextResponse::update(problem, *factorised, solved, state.changes.len(), state)
+                }
+            };
             phases.note("active zone", start);
         } else {
-            let update = Update::new(problem, factorised, response.solved.clone(), state);
-            response.next = NextResponse::Update(Box::new(update), Vec::new());
+            let (first, solved) = (state.changes.len(), &response.solved);
+            response.next = NextResponse::update(problem, factorised, solved, first, state);
         }
         Ok(response)
     }
@@ -111,20 +128,24 @@ impl Response {
         state: &mut State,
         phases: &mut Phases,
     ) -> Result<(), StaticsError> {
-        match &mut self.next {
-            NextResponse::LookAhead(ahead, next) if *next + 1 < ahead.count() => {
-                *next += 1;
+        self.next = match std::mem::replace(&mut self.next, NextResponse::Anew) {
+            NextResponse::LookAhead(ahead, next) if next + 1 < ahead.count() => {
+                self.next = NextResponse::LookAhead(ahead, next + 1);
                 return Ok(());
             }
-            NextResponse::Update(update, near) => {
-                if let Some(solved) = update.renew(problem, state, near, phases) {
-                    self.carries = None;
-                    self.values = solved.values(problem);
-                    self.solved = solved;
-                    return Ok(());
-                }
+            NextResponse::LookAhead(ahead, _) if ahead.count() < FEWEST_EVENTS => {
+                let (factorised, first) = (ahead.factorised, ahead.first);
+                NextResponse::update(problem, factorised, &self.solved, first, state)
             }
-            _ => {}
+            next => next,
+        };
+        if let NextResponse::Update(update, near) = &mut self.next
+            && let Some(solved) = update.renew(problem, state, near, phases)
+        {
+            self.carries = None;
+            self.values = solved.values(problem);
+            self.solved = solved;
+            return Ok(());
         }
         // Two factors at a time are more than may fit: the old one goes before the new one comes.
         let factorised = match std::mem::replace(&mut self.next, NextResponse::Anew) {
@@ -146,7 +167,9 @@ impl Response {
     /// Whether a run that begins with `state`, and so with a factorisation, goes on with the same bits.
     pub fn is_reproducible(&self, state: &State) -> bool {
         match &self.next {
-            NextResponse::LookAhead(..) => !self.foresees_next(),
+            NextResponse::LookAhead(ahead, _) => {
+                !self.foresees_next() && ahead.count() >= FEWEST_EVENTS
+            }
             NextResponse::Update(update, _) => update.is_reproducible(state),
             NextResponse::Anew => true,
         }
@@ -219,13 +242,6 @@ impl Response {
         if self.carries.is_some_and(|bounds| bounds.allow(load)) {
             return Vec::new();
         }
-        let is_near = |&s: &usize| {
-            let stretch = load.combine(self.solved.rough_stretches(problem, s));
-            problem
-                .laws
-                .limits(s, state.integrity[s])
-                .is_exceeded(stretch / NEAR)
-        };
         let is_over = |&s: &usize| {
             let stretch = load.combine(self.solved.stretches(problem, s));
             problem
@@ -233,7 +249,7 @@ impl Response {
                 .limits(s, state.integrity[s])
                 .is_exceeded(stretch)
         };
-        let close: Vec<usize> = intact(problem, state).filter(is_near).collect();
+        let close = self.bonds_near_limit(problem, state, load);
         let over: Vec<usize> = close.iter().copied().filter(is_over).collect();
         if let NextResponse::Update(_, near) = &mut self.next {
             *near = close;
@@ -244,10 +260,24 @@ impl Response {
         over
     }
 
+    /// Bonds near a limit of their branch under a load.
+    fn bonds_near_limit(&self, problem: &Problem, state: &State, load: Load) -> Vec<usize> {
+        let is_near = |&s: &usize| {
+            let stretch = load.combine(self.solved.rough_stretches(problem, s));
+            let limits = problem.laws.limits(s, state.integrity[s]);
+            limits.is_exceeded(stretch / NEAR)
+        };
+        intact(problem, state).filter(is_near).collect()
+    }
+
     /// Bonds at a limit of their branch, or within a small share of it and bound to reach it.
-    pub fn bonds_at_limit(&self, problem: &Problem, state: &State, load: Load) -> Vec<usize> {
+    pub fn bonds_at_limit(&mut self, problem: &Problem, state: &State, load: Load) -> Vec<usize> {
         if let Some((ahead, next)) = self.predicted() {
             return ahead.event(next).bonds.clone();
+        }
+        let close = self.bonds_near_limit(problem, state, load);
+        if let NextResponse::Update(_, near) = &mut self.next {
+            *near = close;
         }
         let reaches = |&s: &usize| {
             let stretches = self.solved.stretches(problem, s);

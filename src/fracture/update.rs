@@ -34,10 +34,12 @@ pub struct Update {
 }
 
 impl Update {
+    /// `base`: the response when K was factorised, and `first`: the number of the state's changes then.
     pub fn new(
         problem: &Problem,
         factorised: Factorised,
         base: Solutions,
+        first: usize,
         state: &State,
     ) -> Update {
         let held = problem.programme.held(state.phase);
@@ -51,8 +53,8 @@ impl Update {
             factorised,
             base,
             phase: state.phase,
-            first: state.changes.len(),
-            known: state.changes.len(),
+            first,
+            known: first,
             change: LowRankChange::default(),
         }
     }

@@ -3,6 +3,7 @@
 
 #[macro_use]
 mod say;
+mod check;
 mod new;
 mod numbers;
 mod progress;
@@ -14,26 +15,18 @@ mod verify;
 mod view;
 mod watch;
 
-use crate::phases::machine_memory;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::Plan;
 use crate::pipeline::read::source::InputError;
-use crate::pipeline::read::{reference, schema, yaml};
+use crate::pipeline::read::{reference, schema};
 use crate::pipeline::record::folder;
-use crate::pipeline::stages::parameters::parameter_lines;
-use crate::pipeline::stages::run::{Options, discretised};
-use crate::pipeline::stages::standing::{Standing, standings};
-use crate::statics::{Backend, Estimate};
+use check::{check, list};
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use solver::SolverArguments;
 use std::collections::BTreeMap;
-use std::ffi::OsString;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::mpsc;
-use std::time::Duration;
-use watch::Watch;
 
 /// Quasi-static fracture in two dimensions: peridynamics stitched into finite elements.
 #[derive(Parser)]
@@ -199,10 +192,10 @@ fn command() -> ExitCode {
     set_up_messages();
     let done = match Cli::parse().command {
         Command::Run(arguments) => return run::run(&arguments),
-        Command::Watch { common, threads } => return watch_all(common, threads),
+        Command::Watch { common, threads } => return watch::watch_all(common, threads),
         Command::Sweep(arguments) => return study::sweep(&arguments),
         Command::Plan(arguments) => study::plan(&arguments),
-        Command::New { name } => begin(&name),
+        Command::New { name } => new::begin(&name),
         Command::Check { common, solver } => {
             for_each(&common, |plan| check(plan, solver.backend()))
         }
@@ -252,89 +245,8 @@ fn print(text: &str) -> Result<(), RunError> {
     Ok(())
 }
 
-fn begin(name: &Path) -> Result<(), RunError> {
-    let [geometry, pipeline, schema] = new::new(name)?;
-    println!("{}  (the geometry: open it in Gmsh)", geometry.display());
-    println!("{}  (what to compute)", pipeline.display());
-    println!(
-        "{}  (for editors: what a pipeline may hold)",
-        schema.display()
-    );
-    println!("next: peristitch run {}", pipeline.display());
-    Ok(())
-}
-
-/// A pipeline that is wrong may become right, but it must be there.
-fn watch_all(common: Common, threads: Option<u16>) -> ExitCode {
-    let missing = common.pipelines.iter().find(|pipeline| !pipeline.is_file());
-    if let Some(Err(error)) = missing.map(|pipeline| common.plan(pipeline)) {
-        return report(error);
-    }
-    if let Err(error) = yaml::parse_overrides(&common.overrides()) {
-        return report(error.into());
-    }
-    let mut arguments: Vec<OsString> = Vec::new();
-    let overrides = common.overrides();
-    for value in &overrides {
-        arguments.extend(["--set".into(), value.into()]);
-    }
-    if let Some(folder) = &common.results {
-        arguments.extend(["--results".into(), folder.into()]);
-    }
-    if let Some(threads) = threads {
-        arguments.extend(["--threads".into(), threads.to_string().into()]);
-    }
-    let (sender, interrupts) = mpsc::channel();
-    let set = ctrlc::set_handler(move || {
-        // Nobody listens once the watch is over.
-        let _ = sender.send(());
-    });
-    set.expect("it is set once");
-    let files = common
-        .pipelines
-        .iter()
-        .map(|path| path.display().to_string());
-    let files: Vec<String> = files.collect();
-    eprintln!(
-        "watches {} and their geometry; Ctrl-C ends it",
-        files.join(", ")
-    );
-    let watched = watch::watch(
-        &Watch {
-            pipelines: common.pipelines.clone(),
-            overrides,
-            arguments,
-        },
-        &interrupts,
-        || keep_apart(&common),
-    );
-    match watched {
-        Ok(()) => ExitCode::from(INTERRUPTED),
-        Err(error) => {
-            let message = format!("cannot start a run: {error}");
-            report(InputError::plain(message, None).into())
-        }
-    }
-}
-
 /// What a shell makes of Ctrl-C.
 const INTERRUPTED: u8 = 130;
-
-/// Whether the pipelines that can be read have results folders of their own; says so if they have not.
-fn keep_apart(common: &Common) -> bool {
-    let plans = common
-        .pipelines
-        .iter()
-        .map(|pipeline| common.plan(pipeline));
-    let plans: Vec<Plan> = plans.flatten().collect();
-    match check_folders(&plans) {
-        Ok(()) => true,
-        Err(error) => {
-            report(error.into());
-            false
-        }
-    }
-}
 
 /// Reads all pipelines before the first one acts, so that bad input stops everything.
 fn for_each(common: &Common, act: impl Fn(&Plan) -> Result<(), RunError>) -> Result<(), RunError> {
@@ -405,78 +317,4 @@ fn set_up_messages() {
         Box::new(options.build())
     }));
     set.expect("it is set once, before the first message");
-}
-
-fn list(plan: &Plan, reasons_too: bool) -> Result<(), RunError> {
-    for (stage, standing) in standings(plan)? {
-        let state = match &standing {
-            Standing::Fresh => "fresh".to_owned(),
-            Standing::Stale(_) => "stale".to_owned(),
-            Standing::After(earlier) => format!("stale if {earlier} delivers something new"),
-        };
-        println!("{}: {stage:<6} {state}", plan.name);
-        if let (true, Standing::Stale(reasons)) = (reasons_too, standing) {
-            reasons.iter().for_each(|reason| println!("    {reason}"));
-        }
-    }
-    Ok(())
-}
-
-fn check(plan: &Plan, backend: Option<Backend>) -> Result<(), RunError> {
-    let (model, boundary, extract) = discretised(plan, &Options::default())?;
-    let estimate = Estimate::new(&model, &boundary, backend, plan.loading.is_some())?;
-    estimate.fits(machine_memory())?;
-    println!("{}: sound", plan.name);
-    println!(
-        "  mesh              {}, {} groups",
-        extract.origin,
-        extract.groups.len()
-    );
-    for (index, line) in parameter_lines(plan, &extract)?.iter().enumerate() {
-        let title = if index == 0 { "parameters" } else { "" };
-        println!("  {title:<18}{line}");
-    }
-    println!(
-        "  finite elements   {} with {} nodes",
-        model.elements.len(),
-        model.fe_node_count()
-    );
-    println!("  material points   {}", model.areas.len());
-    let (ties, what) = model.ties();
-    println!("  bonds             {}", model.interactions.bonds().len());
-    println!("  {what:<18}{ties}");
-    for interface in &model.interfaces {
-        println!(
-            "  interface         `{}` to `{}`: {} edges",
-            model.regions[interface.finite_elements].name,
-            model.regions[interface.peridynamics].name,
-            interface.edges.len()
-        );
-    }
-    println!("  unknowns          {}", estimate.dofs);
-    match estimate.backend {
-        Backend::Multifrontal | Backend::Faer => println!(
-            "  factor            {} entries, {:.2e} flops",
-            estimate.factor_entries, estimate.flops
-        ),
-        Backend::TwoLevel => println!(
-            "  solver            two levels, conjugate gradients; {:.1e} entries in the coarse factor",
-            estimate.factor_entries as f64
-        ),
-    }
-    println!(
-        "  to expect         {}, {}",
-        megabytes(estimate.bytes),
-        about(estimate.time)
-    );
-    println!("  next: peristitch run {}", plan.source.path.display());
-    Ok(())
-}
-
-fn megabytes(bytes: u64) -> String {
-    format!("{:.0} MB", bytes as f64 / 1e6)
-}
-
-fn about(time: Duration) -> String {
-    format!("about {:.1} s", time.as_secs_f64().max(0.1))
 }

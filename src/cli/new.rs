@@ -1,5 +1,6 @@
 //! `peristitch new`: a geometry and a pipeline that run, to begin with.
 
+use crate::pipeline::error::RunError;
 use crate::pipeline::read::schema;
 use crate::pipeline::read::source::InputError;
 use std::fs::OpenOptions;
@@ -17,7 +18,7 @@ const SCHEMA_FILE: &str = "pipeline.schema.json";
 ///
 /// # Errors
 /// A name that cannot be one; a file that is there already, or cannot be written.
-pub(super) fn new(path: &Path) -> Result<[PathBuf; 3], InputError> {
+fn new(path: &Path) -> Result<[PathBuf; 3], InputError> {
     let name = path.file_name().and_then(|name| name.to_str());
     let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-');
     let Some(name) = name.filter(|name| name.chars().all(plain)) else {
@@ -58,4 +59,17 @@ fn cannot_write(path: &Path, error: &std::io::Error) -> InputError {
     };
     let message = format!("cannot write {}: {error}", path.display());
     InputError::plain(message, Some(help.to_owned()))
+}
+
+/// `peristitch new`.
+pub(super) fn begin(name: &Path) -> Result<(), RunError> {
+    let [geometry, pipeline, schema] = new(name)?;
+    println!("{}  (the geometry: open it in Gmsh)", geometry.display());
+    println!("{}  (what to compute)", pipeline.display());
+    println!(
+        "{}  (for editors: what a pipeline may hold)",
+        schema.display()
+    );
+    println!("next: peristitch run {}", pipeline.display());
+    Ok(())
 }

@@ -6,26 +6,30 @@
 //! editors that write in place, that write a new file and rename it, and that keep their files on
 //! another machine; a dozen files cost nothing.
 
+use super::{Common, INTERRUPTED, check_folders, report};
+use crate::pipeline::read::plan::Plan;
+use crate::pipeline::read::source::InputError;
 use crate::pipeline::read::sources::sources;
+use crate::pipeline::read::yaml;
 use crate::pipeline::record::stamp::hash_file;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::mpsc::Receiver;
+use std::process::{Child, Command, ExitCode, ExitStatus, Stdio};
+use std::sync::mpsc::{self, Receiver};
 use std::time::{Duration, Instant, SystemTime};
 
 /// How often the files are looked at. A save has ended when one look finds nothing new.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
 /// The pipelines to watch, and the options of their runs.
-pub(super) struct Watch {
-    pub pipelines: Vec<PathBuf>,
+struct Watch {
+    pipelines: Vec<PathBuf>,
     /// Values of `--set`.
-    pub overrides: Vec<String>,
+    overrides: Vec<String>,
     /// Further arguments of `run`.
-    pub arguments: Vec<OsString>,
+    arguments: Vec<OsString>,
 }
 
 /// Runs every pipeline once, and again after each save, until `interrupts` tells of one. `may_run` is
@@ -33,11 +37,7 @@ pub(super) struct Watch {
 ///
 /// # Errors
 /// The program cannot be started another time.
-pub(super) fn watch(
-    watch: &Watch,
-    interrupts: &Receiver<()>,
-    may_run: impl Fn() -> bool,
-) -> io::Result<()> {
+fn watch(watch: &Watch, interrupts: &Receiver<()>, may_run: impl Fn() -> bool) -> io::Result<()> {
     let program = std::env::current_exe()?;
     let pipelines = watch.pipelines.iter();
     let mut all: Vec<Watched> = pipelines.map(|path| Watched::new(path, watch)).collect();
@@ -230,6 +230,75 @@ impl Seen {
 fn times(file: &Path) -> Option<(SystemTime, u64)> {
     let metadata = std::fs::metadata(file).ok()?;
     Some((metadata.modified().ok()?, metadata.len()))
+}
+
+/// A pipeline that is wrong may become right, but it must be there.
+pub(super) fn watch_all(common: Common, threads: Option<u16>) -> ExitCode {
+    let missing = common.pipelines.iter().find(|pipeline| !pipeline.is_file());
+    if let Some(Err(error)) = missing.map(|pipeline| common.plan(pipeline)) {
+        return report(error);
+    }
+    if let Err(error) = yaml::parse_overrides(&common.overrides()) {
+        return report(error.into());
+    }
+    let mut arguments: Vec<OsString> = Vec::new();
+    let overrides = common.overrides();
+    for value in &overrides {
+        arguments.extend(["--set".into(), value.into()]);
+    }
+    if let Some(folder) = &common.results {
+        arguments.extend(["--results".into(), folder.into()]);
+    }
+    if let Some(threads) = threads {
+        arguments.extend(["--threads".into(), threads.to_string().into()]);
+    }
+    let (sender, interrupts) = mpsc::channel();
+    let set = ctrlc::set_handler(move || {
+        // Nobody listens once the watch is over.
+        let _ = sender.send(());
+    });
+    set.expect("it is set once");
+    let files = common
+        .pipelines
+        .iter()
+        .map(|path| path.display().to_string());
+    let files: Vec<String> = files.collect();
+    eprintln!(
+        "watches {} and their geometry; Ctrl-C ends it",
+        files.join(", ")
+    );
+    let watched = watch(
+        &Watch {
+            pipelines: common.pipelines.clone(),
+            overrides,
+            arguments,
+        },
+        &interrupts,
+        || keep_apart(&common),
+    );
+    match watched {
+        Ok(()) => ExitCode::from(INTERRUPTED),
+        Err(error) => {
+            let message = format!("cannot start a run: {error}");
+            report(InputError::plain(message, None).into())
+        }
+    }
+}
+
+/// Whether the pipelines that can be read have results folders of their own; says so if they have not.
+fn keep_apart(common: &Common) -> bool {
+    let plans = common
+        .pipelines
+        .iter()
+        .map(|pipeline| common.plan(pipeline));
+    let plans: Vec<Plan> = plans.flatten().collect();
+    match check_folders(&plans) {
+        Ok(()) => true,
+        Err(error) => {
+            report(error.into());
+            false
+        }
+    }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Where the points sit on a grid of squares. Unless its origin is given, the grid begins at the region's
+/// Position of the points on a grid of squares. Unless its origin is given, the grid begins at the region's
 /// box where squares fill that; where they do not, it lies in the middle of the box, so that mirror images
 /// have mirror images of lattices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]

@@ -41,8 +41,7 @@ pub enum SurfaceCorrection {
     Energy,
     /// By the forces of two uniaxial strains.
     Force,
-    /// The least change of `Force` that makes straight edges exact in tension, see
-    /// [`super::least_squares`].
+    /// The least change of `force` that makes straight edges exact in tension.
     LeastSquares,
 }
 

@@ -1,0 +1,86 @@
+//! `peristitch check`, `status` and `explain`: they look, and write nothing.
+
+use crate::phases::machine_memory;
+use crate::pipeline::error::RunError;
+use crate::pipeline::read::plan::Plan;
+use crate::pipeline::stages::parameters::parameter_lines;
+use crate::pipeline::stages::run::{Options, discretised};
+use crate::pipeline::stages::standing::{Standing, standings};
+use crate::statics::{Backend, Estimate};
+use std::time::Duration;
+
+/// How each stage stands, and why.
+pub(super) fn list(plan: &Plan, reasons_too: bool) -> Result<(), RunError> {
+    for (stage, standing) in standings(plan)? {
+        let state = match &standing {
+            Standing::Fresh => "fresh".to_owned(),
+            Standing::Stale(_) => "stale".to_owned(),
+            Standing::After(earlier) => format!("stale if {earlier} delivers something new"),
+        };
+        println!("{}: {stage:<6} {state}", plan.name);
+        if let (true, Standing::Stale(reasons)) = (reasons_too, standing) {
+            reasons.iter().for_each(|reason| println!("    {reason}"));
+        }
+    }
+    Ok(())
+}
+
+/// Whether the pipeline is sound, its sizes, and what a run will take.
+pub(super) fn check(plan: &Plan, backend: Option<Backend>) -> Result<(), RunError> {
+    let (model, boundary, extract) = discretised(plan, &Options::default())?;
+    let estimate = Estimate::new(&model, &boundary, backend, plan.loading.is_some())?;
+    estimate.fits(machine_memory())?;
+    println!("{}: sound", plan.name);
+    println!(
+        "  mesh              {}, {} groups",
+        extract.origin,
+        extract.groups.len()
+    );
+    for (index, line) in parameter_lines(plan, &extract)?.iter().enumerate() {
+        let title = if index == 0 { "parameters" } else { "" };
+        println!("  {title:<18}{line}");
+    }
+    println!(
+        "  finite elements   {} with {} nodes",
+        model.elements.len(),
+        model.fe_node_count()
+    );
+    println!("  material points   {}", model.areas.len());
+    let (ties, what) = model.ties();
+    println!("  bonds             {}", model.interactions.bonds().len());
+    println!("  {what:<18}{ties}");
+    for interface in &model.interfaces {
+        println!(
+            "  interface         `{}` to `{}`: {} edges",
+            model.regions[interface.finite_elements].name,
+            model.regions[interface.peridynamics].name,
+            interface.edges.len()
+        );
+    }
+    println!("  unknowns          {}", estimate.dofs);
+    match estimate.backend {
+        Backend::Multifrontal | Backend::Faer => println!(
+            "  factor            {} entries, {:.2e} flops",
+            estimate.factor_entries, estimate.flops
+        ),
+        Backend::TwoLevel => println!(
+            "  solver            two levels, conjugate gradients; {:.1e} entries in the coarse factor",
+            estimate.factor_entries as f64
+        ),
+    }
+    println!(
+        "  to expect         {}, {}",
+        megabytes(estimate.bytes),
+        about(estimate.time)
+    );
+    println!("  next: peristitch run {}", plan.source.path.display());
+    Ok(())
+}
+
+fn megabytes(bytes: u64) -> String {
+    format!("{:.0} MB", bytes as f64 / 1e6)
+}
+
+fn about(time: Duration) -> String {
+    format!("about {:.1} s", time.as_secs_f64().max(0.1))
+}

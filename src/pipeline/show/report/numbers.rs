@@ -1,0 +1,138 @@
+//! The numbers of the report that are asked for first.
+
+use crate::pipeline::account::summary::{Event, FractureSummary, ProbeSummary, Summary};
+use crate::pipeline::read::spec::Control;
+use serde_json::json;
+
+/// Reactions below this share of the largest are what rounding leaves of zero.
+const ROUNDING: f64 = 1e-9;
+
+/// How the run ended, and the versions.
+pub(super) fn headline(summary: &Summary) -> String {
+    let version = |program: &str| summary.versions.get(program).map_or("", String::as_str);
+    format!(
+        "{}. peristitch {}, Gmsh {}",
+        summary.outcome,
+        version("peristitch"),
+        version("gmsh")
+    )
+}
+
+/// Name and value of what is asked for first.
+pub(super) fn numbers(summary: &Summary) -> Vec<[String; 2]> {
+    let mut rows = Vec::new();
+    let mut row = |name: &str, value: String| rows.push([name.to_owned(), value]);
+    if let Some(fracture) = &summary.fracture {
+        for (name, event, reference) in events(summary, fracture) {
+            let reference =
+                reference.map_or_else(String::new, |step| format!(" (reference: step {step})"));
+            row(
+                name,
+                format!(
+                    "step {}{reference}: load factor {}, grip displacement {}, reaction {}",
+                    event.step,
+                    quantity(event.load_factor, ""),
+                    quantity(event.grip_displacement_m, "m"),
+                    quantity(event.reaction_n, "N")
+                ),
+            );
+        }
+        row("control", super::plain(&json!(fracture.control)));
+        row("bonds broken", fracture.bonds_broken.to_string());
+        if let Some(length) = fracture.crack_length_m {
+            row("crack length", quantity(length, "m"));
+        }
+    }
+    for probe in &summary.probes {
+        row(&format!("probe {}", probe.name), described_probe(probe));
+    }
+    let forces = summary.reactions_n.values().flatten();
+    let largest = forces.fold(0.0, |largest: f64, force| largest.max(force.abs()));
+    for (group, reaction) in &summary.reactions_n {
+        let [x, y] = reaction.map(|force| match force.abs() <= ROUNDING * largest {
+            true => "0".to_owned(),
+            false => quantity(force, "N"),
+        });
+        row(&format!("reaction on {group}"), format!("x {x}, y {y}"));
+    }
+    let sizes = &summary.sizes;
+    for (name, count) in [
+        ("finite elements", sizes.finite_elements),
+        ("their nodes", sizes.finite_element_nodes),
+        ("material points", sizes.material_points),
+        ("bonds", sizes.bonds),
+        ("trusses", sizes.trusses),
+        ("unknowns", sizes.dofs),
+    ] {
+        row(name, count.to_string());
+    }
+    row("residual", format!("{:.1e}", summary.residual));
+    rows
+}
+
+/// The steps that are asked for first, each with its name and the pipeline's reference for it.
+fn events<'a>(
+    summary: &'a Summary,
+    fracture: &'a FractureSummary,
+) -> Vec<(&'a str, &'a Event, Option<usize>)> {
+    // The references count load steps, and the events of the event-driven control are none; under the
+    // other controls the load only grows, so that the largest load is the end.
+    let is_event_driven = fracture.control == Some(Control::EventDriven);
+    let reference = fracture.reference.filter(|_| !is_event_driven);
+    let largest_load = fracture.envelope_peak.as_ref().filter(|_| is_event_driven);
+    let events = [
+        (
+            "first bond broken",
+            fracture.first_break.as_ref(),
+            reference.and_then(|reference| reference.first_break),
+        ),
+        ("largest reaction", fracture.peak.as_ref(), None),
+        ("largest load factor", largest_load, None),
+        (
+            &summary.outcome,
+            fracture.end.as_ref(),
+            reference.and_then(|reference| reference.separated),
+        ),
+    ];
+    let there = events.into_iter();
+    there
+        .filter_map(|(name, event, reference)| Some((name, event?, reference)))
+        .collect()
+}
+
+fn described_probe(probe: &ProbeSummary) -> String {
+    let mut text = format!("u_{} = {:.5e} m", probe.component, probe.displacement_m);
+    if let (Some(reference), Some(error)) = (probe.reference_m, probe.error) {
+        text += &format!(
+            "; reference {reference:.5e} m, error {:+.2} %",
+            100.0 * error
+        );
+    }
+    text
+}
+
+/// A number of five digits and its unit.
+pub(super) fn quantity(value: f64, unit: &str) -> String {
+    let number = match value.abs() {
+        0.0 => "0".to_owned(),
+        size if (1e-2..1e5).contains(&size) => {
+            let decimals = (4.0 - size.log10().floor()).max(0.0) as usize;
+            format!("{value:.decimals$}")
+        }
+        _ => format!("{value:.4e}"),
+    };
+    format!("{number} {unit}").trim_end().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_any_size_are_short() {
+        assert_eq!(quantity(4.5e-7, "m"), "4.5000e-7 m");
+        assert_eq!(quantity(31_967.4, "N"), "31967 N");
+        assert_eq!(quantity(62.0, ""), "62.000");
+        assert_eq!(quantity(0.0, ""), "0");
+    }
+}

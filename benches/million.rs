@@ -133,7 +133,7 @@ fn loads(model: &Model) -> Boundary {
         .displace(model, clamped, [Some(0.0), Some(0.0)])
         .expect("a clamp");
     boundary
-        .press(model, pulled, EdgeLoad::Traction([0.0, 1e6]))
+        .add_traction(model, pulled, EdgeLoad::Traction([0.0, 1e6]))
         .expect("a load");
     boundary
 }

@@ -73,7 +73,7 @@ pub fn elongation() -> Result<[f64; 2], Box<dyn Error>> {
     boundary
         .prescribed
         .insert(2 * corner + 1, (0.0, "corner".to_owned()));
-    boundary.press(&model, "right", EdgeLoad::Traction([TRACTION, 0.0]))?;
+    boundary.add_traction(&model, "right", EdgeLoad::Traction([TRACTION, 0.0]))?;
     let solution = statics::solve(&model, &boundary, &mut Phases::default())?;
     let tip = nearest(&model, [1.0, 0.1]);
     Ok([solution.displacement[tip][0], TRACTION * 1.0 / YOUNG])

@@ -120,7 +120,16 @@ pub fn chords(edge: &Edge, nodes: &[[f64; 2]]) -> Vec<[f64; 2]> {
     chords_of(edge, |node| nodes[node])
 }
 
-/// The same where `position` tells where the nodes are [m], displaced for instance.
+/// Length of an edge's chords [m].
+pub fn edge_length(edge: &Edge, nodes: &[[f64; 2]]) -> f64 {
+    let points = chords(edge, nodes);
+    let chords = points.windows(2);
+    chords
+        .map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]))
+        .sum()
+}
+
+/// The points that cut an edge into chords, from the nodes at `position` [m], displaced for instance.
 pub fn chords_of(edge: &Edge, position: impl Fn(usize) -> [f64; 2]) -> Vec<[f64; 2]> {
     let [a, b] = edge.ends.map(&position);
     let Some(middle) = edge.middle.map(&position) else {

@@ -3,6 +3,7 @@
 use nalgebra::Matrix3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 /// State of plane bodies: what is zero in the third direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema, Serialize)]
@@ -34,7 +35,49 @@ pub struct Material {
     pub poisson: f64,
 }
 
+/// Poisson's ratio of bonds may differ by this much from 1/3 or 1/4, so that 0.3333333 is accepted.
+const POISSON_TOLERANCE: f64 = 1e-6;
+
+/// An elastic constant that a material cannot have.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum MaterialError {
+    #[error("Young's modulus {young} Pa is not positive")]
+    YoungNotPositive { young: f64 },
+    #[error("Poisson's ratio {poisson} is not between -1 and 1/2")]
+    PoissonOutOfRange { poisson: f64 },
+    /// Bonds are central forces, which leave no choice.
+    #[error("Poisson's ratio is {poisson}, and bonds can only have {needed}")]
+    PoissonOfBonds { poisson: f64, needed: f64 },
+}
+
 impl Material {
+    /// Whether the constants are those of an elastic material.
+    ///
+    /// # Errors
+    /// [`MaterialError::YoungNotPositive`], [`MaterialError::PoissonOutOfRange`].
+    pub fn check(&self) -> Result<(), MaterialError> {
+        let Material { young, poisson } = *self;
+        if !(young > 0.0 && young.is_finite()) {
+            return Err(MaterialError::YoungNotPositive { young });
+        }
+        if !(-1.0 < poisson && poisson < 0.5) {
+            return Err(MaterialError::PoissonOutOfRange { poisson });
+        }
+        Ok(())
+    }
+
+    /// Whether a lattice of bonds can have this Poisson's ratio.
+    ///
+    /// # Errors
+    /// [`MaterialError::PoissonOfBonds`].
+    pub fn check_bond_based(&self, plane: PlaneState) -> Result<(), MaterialError> {
+        let (poisson, needed) = (self.poisson, plane.bond_based_poisson());
+        if (poisson - needed).abs() <= POISSON_TOLERANCE {
+            return Ok(());
+        }
+        Err(MaterialError::PoissonOfBonds { poisson, needed })
+    }
+
     /// D of σ = D ε in Voigt order xx, yy, xy with the engineering shear strain γ_xy [Pa].
     pub fn elasticity(&self, plane: PlaneState) -> Matrix3<f64> {
         let Material {

@@ -3,102 +3,46 @@
 //! Nodes are the finite-element nodes in the mesh's order, then the material points, region by
 //! region. Immutable once built.
 
-pub mod bodies;
 mod check;
+mod elements;
+mod error;
 mod families;
+mod joints;
+mod lattice_angle;
+mod lattices;
 pub mod node_axes;
-mod points;
-mod trusses;
+mod settings;
+pub mod topology;
 
 use crate::assembly::ElementStiffness;
-use crate::coupling::Coupling;
+use crate::coupling::Parts;
 use crate::coupling::clip::FamilyShare;
 use crate::cracks::Cracks;
 use crate::fem::element;
-use crate::geometry::{Outline, chords};
+use crate::geometry::Outline;
 use crate::interactions::Interactions;
-use crate::material::{Material, PlaneState};
-use crate::mesh::{Cell, Edge, Mesh};
+use crate::material::Material;
+use crate::mesh::{Cell, Mesh};
 use crate::peridynamics::axes::Axes;
-use crate::peridynamics::kernel::{Kernel, Micromodulus, PartialArea};
-use crate::peridynamics::lattice::LatticeSettings;
+use crate::peridynamics::kernel::Micromodulus;
 use crate::peridynamics::point_index::PointIndex;
-use crate::peridynamics::surface::{SurfaceCorrection, SurfaceError};
+use crate::peridynamics::visibility::Visibility;
 use rayon::prelude::*;
 use std::ops::Range;
-use thiserror::Error;
 
-use check::{check_cells, check_jacobian};
+use check::check;
+use elements::Elements;
+use lattices::LatticeOfPoints;
 
+pub use error::ModelError;
 pub use families::FamilyMember;
+pub use lattice_angle::turn_lattices;
 pub use node_axes::NodeAxes;
-
-/// A part of the body: which cells of the mesh, what material, which method.
-#[derive(Clone, Debug)]
-pub struct Region {
-    pub name: String,
-    /// Indices of the mesh's cells, ascending.
-    pub cells: Vec<usize>,
-    pub material: Material,
-    pub method: Method,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Method {
-    FiniteElements,
-    Peridynamics(PeridynamicSettings),
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PeridynamicSettings {
-    pub lattice: LatticeSettings,
-    /// m = δ/dx [-].
-    pub horizon_ratio: f64,
-    pub kernel: Kernel,
-    pub partial_area: PartialArea,
-    /// Whether c(ξ) is corrected such that the lattice has the material's moduli.
-    pub isotropised: bool,
-    pub surface_correction: SurfaceCorrection,
-}
-
-impl PeridynamicSettings {
-    /// c(ξ) of a material on this lattice.
-    pub fn micromodulus(&self, material: &Material, plane: PlaneState) -> Micromodulus {
-        let spacing = self.lattice.spacing;
-        let raw = Micromodulus::new(
-            self.kernel,
-            self.partial_area,
-            material,
-            plane,
-            self.horizon_ratio * spacing,
-            spacing,
-        );
-        if self.isotropised {
-            raw.isotropised()
-        } else {
-            raw
-        }
-    }
-}
-
-/// What holds for the whole model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ModelSettings {
-    pub plane: PlaneState,
-    /// h_t [m].
-    pub thickness: f64,
-    pub coupling: Coupling,
-}
-
-/// Where a finite-element and a peridynamic region meet.
-#[derive(Clone, Debug)]
-pub struct Interface {
-    /// Indices of the regions.
-    pub finite_elements: usize,
-    pub peridynamics: usize,
-    /// With the finite elements on the left.
-    pub edges: Vec<Edge>,
-}
+pub use settings::{
+    Method, ModelSettings, PeridynamicSettings, Region, SMALLEST_HORIZON, SettingsError,
+    check_horizon,
+};
+pub use topology::Topology;
 
 /// The material points of one peridynamic region, or of several that touch each other.
 #[derive(Clone, Debug)]
@@ -111,7 +55,7 @@ pub struct PointRegion {
     pub axes: Axes,
     /// Sites of the lattice that hold these points.
     pub index: PointIndex,
-    /// Of the first region's material.
+    /// Micromodulus of the first region's material.
     pub micromodulus: Micromodulus,
     /// The regions' outline, and its area |Ω| [m²].
     pub outline: Outline,
@@ -125,13 +69,13 @@ impl PointRegion {
     }
 }
 
-/// Everything left of the stiffness matrix.
+/// The discretised body: all that the stiffness matrix is assembled from.
 #[derive(Clone, Debug)]
 pub struct Model {
     pub mesh: Mesh,
     pub settings: ModelSettings,
     pub regions: Vec<Region>,
-    pub interfaces: Vec<Interface>,
+    pub topology: Topology,
     /// x of every node [m].
     pub positions: Vec<[f64; 2]>,
     /// The node at each of the mesh's nodes, where finite elements use it.
@@ -142,11 +86,9 @@ pub struct Model {
     pub areas: Vec<f64>,
     /// The region of every material point.
     region_of: Vec<u32>,
-    /// For every region the one that leads its lattice.
-    leader: Vec<usize>,
     pub points: Vec<PointRegion>,
     pub interactions: Interactions,
-    /// What clipped bonds are of the points' families.
+    /// Places of clipped bonds in the points' families.
     pub clipped: Vec<FamilyShare>,
     /// ξ of the bond that each clipped bond is a part of [m].
     clipped_from: Vec<f64>,
@@ -159,57 +101,9 @@ pub struct Model {
     pub node_axes: NodeAxes,
 }
 
-#[derive(Debug, Error)]
-pub enum ModelError {
-    #[error("region `{region}` has no elements in the mesh")]
-    RegionEmpty { region: String },
-    #[error("regions `{first}` and `{second}` overlap: {cells} cells of the mesh belong to both")]
-    RegionsOverlap {
-        first: String,
-        second: String,
-        cells: usize,
-    },
-    #[error("peridynamic regions `{first}` and `{second}` touch, and their lattices differ")]
-    RegionsTouch { first: String, second: String },
-    #[error(
-        "element {cell} of region `{region}` is folded or clockwise at ({x:.6e}, {y:.6e}) m: \
-         its Jacobian there is {determinant:.3e} m²"
-    )]
-    Jacobian {
-        region: String,
-        cell: usize,
-        x: f64,
-        y: f64,
-        determinant: f64,
-    },
-    #[error("region `{region}` holds no material point: the spacing is larger than the region")]
-    NoMaterialPoint { region: String },
-    #[error("region `{region}` would hold {points:.1e} material points, more than {limit:.0e}")]
-    TooManyPoints {
-        region: String,
-        points: f64,
-        limit: f64,
-    },
-    /// Before memory is taken for them.
-    #[error(
-        "region `{region}` would hold {points:.1e} material points and {bonds:.1e} bonds: that needs {:.0} \
-         GB, and the machine has {:.0}", .bytes / 1e9, .machine / 1e9
-    )]
-    TooManyBonds {
-        region: String,
-        points: f64,
-        bonds: f64,
-        bytes: f64,
-        machine: f64,
-    },
-    #[error("the surface correction of region `{region}` fails: {source}")]
-    Surface {
-        region: String,
-        source: SurfaceError,
-    },
-}
-
 impl Model {
+    /// Builds elements and lattices, and ties them by the coupling.
+    ///
     /// # Errors
     /// See [`ModelError`].
     pub fn build(
@@ -217,16 +111,23 @@ impl Model {
         regions: Vec<Region>,
         settings: ModelSettings,
     ) -> Result<Model, ModelError> {
-        check_cells(&mesh, &regions)?;
-        let interfaces = interfaces(&mesh, &regions);
-        let leader = bodies::leaders(&mesh, &regions)?;
+        check(&mesh, &regions, &settings)?;
+        let topology = Topology::new(&mesh, &regions)?;
+        let Elements {
+            elements,
+            node_of,
+            positions,
+        } = Elements::new(&mesh, &regions)?;
+        let cells: Vec<usize> = elements.iter().map(|&(_, cell)| cell).collect();
+        let tie = settings.coupling.tie();
+        let thickness = settings.thickness;
         let mut model = Model {
             settings,
-            interfaces,
-            positions: Vec::new(),
-            node_of: vec![None; mesh.nodes.len()],
-            elements: Vec::new(),
+            elements,
+            node_of,
+            positions,
             areas: Vec::new(),
+            region_of: Vec::new(),
             points: Vec::new(),
             interactions: Interactions::default(),
             clipped: Vec::new(),
@@ -234,24 +135,64 @@ impl Model {
             clipped_regions: Vec::new(),
             integrity: Vec::new(),
             node_axes: NodeAxes::new(),
-            leader,
-            region_of: Vec::new(),
+            topology,
             mesh,
             regions,
         };
-        model.add_finite_elements()?;
-        model.add_material_points()?;
-        match settings.coupling {
-            Coupling::Truss(node_area) => model.add_trusses(node_area),
-            // The bonds were clipped where they were made.
-            Coupling::Clip => {}
+        for part in &model.topology.lattices {
+            let (mesh, regions) = (&model.mesh, &model.regions);
+            let points = LatticeOfPoints::new(mesh, regions, &settings, &model.topology, part)?;
+            let first = model.positions.len();
+            let bonds = points.bonds(thickness, first as u32);
+            let tied = tie.tie(
+                bonds,
+                &Parts {
+                    mesh,
+                    elements: &cells,
+                    node_of: &model.node_of,
+                    edges: &part.part.edges,
+                    interface: &part.interface,
+                    outline: &points.outline,
+                    lattice: &points.lattice,
+                    axes: points.axes,
+                    first_node: first as u32,
+                    micromodulus: &points.micromodulus,
+                    surface: points.surface.as_ref(),
+                    visibility: &points.visibility,
+                    thickness,
+                },
+            );
+            let before = model.interactions.clipped_bonds().len() as u32;
+            let shares = tied.family_shares.into_iter().map(|share| FamilyShare {
+                interaction: before + share.interaction,
+                ..share
+            });
+            model.clipped.extend(shares);
+            model.clipped_from.extend(tied.bond_lengths);
+            model.interactions.append(tied.interactions);
+            let positions = points.lattice.positions.iter();
+            let positions: Vec<[f64; 2]> = positions.map(|&x| points.axes.global(x)).collect();
+            model
+                .region_of
+                .extend(model.topology.regions_of(part, &positions));
+            model.points.push(PointRegion {
+                region: part.leader(),
+                nodes: first..first + positions.len(),
+                axes: points.axes,
+                index: points.lattice.index,
+                micromodulus: points.micromodulus,
+                area: part.part.outline.area(),
+                outline: part.part.outline.clone(),
+            });
+            model.positions.extend(positions);
+            model.areas.extend(points.lattice.areas);
         }
         model.mix_materials();
         model.integrity = vec![1.0; model.interactions.len()];
         Ok(model)
     }
 
-    /// The same model with the bonds and trusses severed that meet a crack.
+    /// Severs the bonds and trusses that meet a crack.
     pub fn with_cracks(mut self, cracks: &Cracks) -> Model {
         if cracks.is_empty() {
             return self;
@@ -332,22 +273,22 @@ impl Model {
             .collect()
     }
 
+    /// Visibility between points of the body, along a lattice's axes.
+    pub fn visibility(&self, axes: &Axes, micromodulus: &Micromodulus) -> Visibility {
+        let body = axes.outline(&self.topology.body.outline);
+        Visibility::new(&body, micromodulus.spacing, micromodulus.reach())
+    }
+
     /// The region that a material point's node belongs to.
     pub fn region_of_point(&self, node: usize) -> Option<usize> {
         let point = node.checked_sub(self.fe_node_count())?;
         self.region_of.get(point).map(|&region| region as usize)
     }
 
-    /// How many interactions tie finite elements to material points, and what they are called.
+    /// Number of interactions that tie finite elements to material points, and their name.
     pub fn ties(&self) -> (usize, &'static str) {
-        let what = match self.settings.coupling {
-            Coupling::Truss(_) => "trusses",
-            Coupling::Clip => "clipped bonds",
-        };
-        (
-            self.interactions.len() - self.interactions.bonds().len(),
-            what,
-        )
+        let count = self.interactions.len() - self.interactions.bonds().len();
+        (count, self.settings.coupling.tie().name())
     }
 
     /// t, the part of a bond's length that an interaction is [-]; 1 but for clipped bonds.
@@ -360,7 +301,7 @@ impl Model {
     }
 
     /// # Panics
-    /// For the node of a finite element.
+    /// Panics for the node of a finite element.
     pub fn material_of_point(&self, node: usize) -> &Material {
         let region = self.region_of_point(node);
         &self.regions[region.expect("the node of a material point")].material
@@ -371,54 +312,4 @@ impl Model {
         let points = self.points.iter().find(|p| p.nodes.contains(&node));
         points.map_or(1.0, |points| points.micromodulus.area_fraction(xi))
     }
-
-    fn add_finite_elements(&mut self) -> Result<(), ModelError> {
-        for (index, region) in self.regions.iter().enumerate() {
-            if region.method != Method::FiniteElements {
-                continue;
-            }
-            for &cell in &region.cells {
-                check_jacobian(&self.mesh, region, cell)?;
-                self.elements.push((index, cell));
-                for &node in self.mesh.cells[cell].nodes() {
-                    self.node_of[node] = Some(0);
-                }
-            }
-        }
-        for (mesh_node, node) in self.node_of.iter_mut().enumerate() {
-            if node.is_some() {
-                *node = Some(self.positions.len() as u32);
-                self.positions.push(self.mesh.nodes[mesh_node]);
-            }
-        }
-        Ok(())
-    }
-
-    /// Length of an edge's chords [m].
-    pub fn edge_length(&self, edge: &Edge) -> f64 {
-        let points = chords(edge, &self.mesh.nodes);
-        points
-            .windows(2)
-            .map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]))
-            .sum()
-    }
-}
-
-fn interfaces(mesh: &Mesh, regions: &[Region]) -> Vec<Interface> {
-    let mut found = Vec::new();
-    for (f, fem) in regions.iter().enumerate() {
-        for (p, pd) in regions.iter().enumerate() {
-            if fem.method == Method::FiniteElements && pd.method != Method::FiniteElements {
-                let edges = mesh.shared_edges(&fem.cells, &pd.cells);
-                if !edges.is_empty() {
-                    found.push(Interface {
-                        finite_elements: f,
-                        peridynamics: p,
-                        edges,
-                    });
-                }
-            }
-        }
-    }
-    found
 }

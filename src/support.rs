@@ -1,5 +1,5 @@
-//! Is the body held? Rigid-body motions that no support prevents, told in the user's words before
-//! they become a singular matrix.
+//! Rigid-body motions that no support prevents, reported in the user's words before they become a
+//! singular matrix.
 
 use crate::boundary::Boundary;
 use crate::model::Model;

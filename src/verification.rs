@@ -1,4 +1,4 @@
-//! What the program gets right, measured on the spot: `peristitch verify`.
+//! Verification cases, measured on the spot: `peristitch verify`.
 //!
 //! Each check builds its own body from structured meshes, measures one number, and holds it against a
 //! reference that does not come from this program: a closed form, a published figure, or zero where the
@@ -92,7 +92,7 @@ pub fn ladder() -> Vec<Case> {
     ]
 }
 
-/// What a number is held against.
+/// The reference of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reference {
     /// The value, and the largest relative error that the method leaves.
@@ -109,7 +109,7 @@ pub struct Check {
     pub case: &'static str,
     pub quantity: &'static str,
     pub reference: Reference,
-    /// Where the reference comes from.
+    /// The source of the reference.
     pub source: &'static str,
     pub measured: f64,
 }

@@ -121,7 +121,7 @@ fn a_force_on_a_point_has_its_resultant_and_its_moment() {
             let at = model.mesh.nodes[model.mesh.points[group][0]];
             for force in [[3.0, 0.0], [0.0, -2.0], [1.0, 1.5]] {
                 let mut boundary = Boundary::new(&model);
-                boundary.push(&model, group, force).expect("a load");
+                boundary.add_force(&model, group, force).expect("a load");
                 let found = resultant(&model, &boundary.load, at);
                 let what = format!("{name} {group} {force:?}");
                 // Some dozens of terms.
@@ -141,14 +141,16 @@ fn a_force_on_a_curve_is_shared_along_it() {
     for (name, model) in models(CellKind::Quad8, 0.0) {
         for (group, about) in [("top", [1.0, 1.0]), ("right", [2.0, 0.5])] {
             let mut boundary = Boundary::new(&model);
-            boundary.push(&model, group, [5.0, -7.0]).expect("a load");
+            boundary
+                .add_force(&model, group, [5.0, -7.0])
+                .expect("a load");
             let mut found = resultant(&model, &boundary.load, about);
             // A layer of points is dx/2 inside.
             found[2] *= 0.0;
             assert_close(&found, &[5.0, -7.0, 0.0], 1e-12, &format!("{name} {group}"));
         }
         let mut boundary = Boundary::new(&model);
-        let error = boundary.push(&model, "nowhere", [1.0, 0.0]);
+        let error = boundary.add_force(&model, "nowhere", [1.0, 0.0]);
         assert!(
             matches!(error, Err(BoundaryError::NothingThere { .. })),
             "{name}"
@@ -168,7 +170,9 @@ fn weight_has_the_resultant_of_its_surface() {
         for (name, model) in models(kind, 0.0) {
             for (group, centroid) in [("left half", [0.5, 0.5]), ("right half", [1.5, 0.5])] {
                 let mut boundary = Boundary::new(&model);
-                boundary.weigh(&model, group, [2e3, -5e3]).expect("a load");
+                boundary
+                    .add_body_force(&model, group, [2e3, -5e3])
+                    .expect("a load");
                 let found = resultant(&model, &boundary.load, centroid);
                 let expected = [2e3 * THICKNESS, -5e3 * THICKNESS, 0.0];
                 let what = format!("{name} {kind:?} {group}");
@@ -209,7 +213,7 @@ fn a_column_shortens_under_its_own_weight() {
             .expect("a side");
         for group in ["left half", "right half"] {
             boundary
-                .weigh(model, group, [0.0, -weight])
+                .add_body_force(model, group, [0.0, -weight])
                 .expect("a load");
         }
         let solution = solve(model, &boundary);
@@ -271,11 +275,11 @@ fn turned_rollers_hold_a_turned_body_as_upright_ones_an_upright_body() {
         };
         let mut straight = supports(&upright, Directions::Turned(0.0));
         straight
-            .push(&upright, "loaded", [2e5, -3e5])
+            .add_force(&upright, "loaded", [2e5, -3e5])
             .expect("a load");
         let mut along = supports(&turned, Directions::Turned(angle));
         let force = [c * 2e5 + s * 3e5, s * 2e5 - c * 3e5];
-        along.push(&turned, "loaded", force).expect("a load");
+        along.add_force(&turned, "loaded", force).expect("a load");
         let turned = turned.with_node_axes(&along.node_axes);
         let (first, second) = (solve(&upright, &straight), solve(&turned, &along));
         let largest = 1e-3;

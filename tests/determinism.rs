@@ -70,7 +70,7 @@ fn solve(model: &Model) -> Solution {
         .displace(model, "clamp", [Some(0.0), Some(0.0)])
         .expect("a clamp");
     boundary
-        .press(model, "load", EdgeLoad::Traction([3e5, -1e6]))
+        .add_traction(model, "load", EdgeLoad::Traction([3e5, -1e6]))
         .expect("a load");
     statics::solve(model, &boundary, &mut Phases::default()).expect("a solution")
 }

@@ -90,7 +90,9 @@ fn halves(mesh: &mut Mesh) {
 }
 
 fn press(boundary: &mut Boundary, model: &Model, group: &str, load: EdgeLoad) {
-    boundary.press(model, group, load).expect("a loaded side");
+    boundary
+        .add_traction(model, group, load)
+        .expect("a loaded side");
 }
 
 fn clamped(model: &Model) -> Boundary {
@@ -361,14 +363,14 @@ fn an_interface_carries_no_load() {
         let model = hybrid(kind);
         let mut boundary = Boundary::new(&model);
         for load in [TRACTION, PRESSURE] {
-            let error = boundary.press(&model, "interface", load);
+            let error = boundary.add_traction(&model, "interface", load);
             assert!(
                 matches!(&error, Err(BoundaryError::NoOutline { group }) if group == "interface"),
                 "{error:?}"
             );
         }
         assert!(boundary.load.iter().all(|&f| f == 0.0));
-        let error = boundary.press(&model, "corner", TRACTION);
+        let error = boundary.add_traction(&model, "corner", TRACTION);
         assert!(
             matches!(error, Err(BoundaryError::LoadOnPoint { .. })),
             "{error:?}"

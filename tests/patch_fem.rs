@@ -149,7 +149,7 @@ fn tractions_of_a_constant_stress_give_its_linear_field() {
             for (side, n) in SIDES {
                 let traction = [xx * n[0] + xy * n[1], xy * n[0] + yy * n[1]];
                 boundary
-                    .press(&model, side, EdgeLoad::Traction(traction))
+                    .add_traction(&model, side, EdgeLoad::Traction(traction))
                     .expect("a side");
             }
             let u = displacements(&model, &boundary);
@@ -171,7 +171,7 @@ fn pressure_all_around_gives_equal_strains() {
         let mut boundary = minimal_support(&model);
         for (side, _) in SIDES {
             boundary
-                .press(&model, side, EdgeLoad::Pressure(pressure))
+                .add_traction(&model, side, EdgeLoad::Pressure(pressure))
                 .expect("a side");
         }
         let u = displacements(&model, &boundary);

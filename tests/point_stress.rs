@@ -115,7 +115,9 @@ fn what_is_pulled_uniformly_has_one_stress() {
                 boundary.displace(&model, group, u).expect("a support");
             }
             let pull = EdgeLoad::Traction([TRACTION, 0.0]);
-            boundary.press(&model, "right", pull).expect("a side");
+            boundary
+                .add_traction(&model, "right", pull)
+                .expect("a side");
             let solution = statics::solve(&model, &boundary, &mut Phases::default());
             let u = solution.expect("a solution").displacement;
             let elements = NodalFields::new(&model, &u).stress;
@@ -189,7 +191,7 @@ fn a_series_of_two_materials_has_one_stress() {
             traction[axis] = 1e6;
             let pulled = ["right", "top"][axis];
             let pull = EdgeLoad::Traction(traction);
-            boundary.press(&model, pulled, pull).expect("a side");
+            boundary.add_traction(&model, pulled, pull).expect("a side");
             let solution = statics::solve(&model, &boundary, &mut Phases::default());
             let u = solution.expect("a solution").displacement;
             let stress = PointFields::new(&model, &u, &model.integrity).stress;
@@ -247,7 +249,9 @@ fn the_traction_does_not_jump_at_an_inclusion() {
         boundary.displace(&model, group, u).expect("a support");
     }
     let pull = EdgeLoad::Traction([1e6, 0.0]);
-    boundary.press(&model, "right", pull).expect("a side");
+    boundary
+        .add_traction(&model, "right", pull)
+        .expect("a side");
     let solution = statics::solve(&model, &boundary, &mut Phases::default());
     let u = solution.expect("a solution").displacement;
     let stress = PointFields::new(&model, &u, &model.integrity).stress;

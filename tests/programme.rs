@@ -89,7 +89,7 @@ fn pulled(model: &Model, shift: f64, traction: f64) -> Boundary {
     let top = boundary.displace(model, "top", [Some(shift), None]);
     top.expect("a grip");
     let load = EdgeLoad::Traction([0.0, traction]);
-    boundary.press(model, "top", load).expect("a load");
+    boundary.add_traction(model, "top", load).expect("a load");
     boundary
 }
 
@@ -335,7 +335,7 @@ fn a_loaded_part_on_a_hinge_ends_the_run() {
     let held = pull.displace(&model, "bottom", [Some(0.0); 2]);
     held.expect("a grip");
     let load = EdgeLoad::Traction([0.0, 1e3]);
-    pull.press(&model, "top", load).expect("a load");
+    pull.add_traction(&model, "top", load).expect("a load");
     let programme = Programme::proportional(pull);
     let problem = Problem {
         model: &model,

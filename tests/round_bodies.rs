@@ -134,7 +134,7 @@ fn a_disc_of_curved_elements_under_pressure_is_uniform() {
             .displace(&model, "west", [None, Some(0.0)])
             .expect("a point");
         boundary
-            .press(&model, "rim", EdgeLoad::Pressure(1e-3))
+            .add_traction(&model, "rim", EdgeLoad::Pressure(1e-3))
             .expect("a load");
         let u = solve(&model, &boundary).expect("a solution").displacement;
         let exact = |x: [f64; 2]| x.map(|x| -1e-3 * (1.0 - NU) * x);
@@ -183,7 +183,7 @@ fn radial_errors(method: Method, margin: f64) -> Vec<[f64; 2]> {
         .displace_along(&model, "rim", Directions::Curve, [None, Some(0.0)])
         .expect("a curve");
     boundary
-        .press(&model, "hole", EdgeLoad::Pressure(1.0))
+        .add_traction(&model, "hole", EdgeLoad::Pressure(1.0))
         .expect("a load");
     let model = model.with_node_axes(&boundary.node_axes);
     let u = solve(&model, &boundary).expect("a solution").displacement;

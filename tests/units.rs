@@ -51,7 +51,7 @@ fn scaled(length: f64, young: f64, thickness: f64, coupling: Coupling) -> [Vec<f
         .displace(&model, "clamp", [Some(0.0), Some(0.0)])
         .expect("a clamp");
     boundary
-        .press(
+        .add_traction(
             &model,
             "load",
             EdgeLoad::Traction([3e-7 * young, -1e-6 * young]),
@@ -140,7 +140,7 @@ fn points_may_be_ten_thousand_times_smaller_than_elements() {
             boundary.displace(&model, group, values).expect("a support");
         }
         boundary
-            .press(&model, "load", EdgeLoad::Traction([STRESS, 0.0]))
+            .add_traction(&model, "load", EdgeLoad::Traction([STRESS, 0.0]))
             .expect("a load");
         let solution = match statics::solve(&model, &boundary, &mut Phases::default()) {
             Ok(solution) => solution,

@@ -49,7 +49,7 @@ pub(super) fn check(plan: &Plan, backend: Option<Backend>) -> Result<(), RunErro
     let (ties, what) = model.ties();
     println!("  bonds             {}", model.interactions.bonds().len());
     println!("  {what:<18}{ties}");
-    for interface in &model.interfaces {
+    for interface in &model.topology.interfaces {
         println!(
             "  interface         `{}` to `{}`: {} edges",
             model.regions[interface.finite_elements].name,

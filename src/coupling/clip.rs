@@ -30,13 +30,15 @@
 //! A patch of uniform strain is exact to rounding if the lattice's moduli are the finite elements': the
 //! kernel must be isotropised.
 
-pub mod chain;
-pub mod side;
-pub mod stencil;
-pub mod strip;
+mod chain;
+mod side;
+mod stencil;
+mod strip;
 
+use super::{Parts, Tie, Tied};
 use crate::geometry::Outline;
 use crate::interactions::Interactions;
+use crate::mesh::Edge;
 use crate::peridynamics::axes::Axes;
 use crate::peridynamics::bonds::family_offsets;
 use crate::peridynamics::kernel::Micromodulus;
@@ -46,48 +48,108 @@ use crate::peridynamics::visibility::Visibility;
 use chain::Line;
 use rayon::prelude::*;
 use side::{Frame, Side};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use strip::Outlook;
 
 /// Material points nearer to the interface than this share of dx are left out [-]. A little more than a
 /// quarter, so that rounding does not decide a tie.
-pub const CLEARANCE: f64 = 0.25 + 1e-6;
+const CLEARANCE: f64 = 0.25 + 1e-6;
 
 /// The longest piece of interface, along the bonds, that one part of a strip crosses [dx]. Bonds nearly
 /// along the interface would cross many spacings of it, and their mean end would be far from most.
 const LONGEST: f64 = 2.0;
 
-/// A peridynamic region and its lattice.
-pub struct Region<'a> {
-    /// Along the lattice's axes.
-    pub outline: &'a Outline,
-    /// All sides of the outline, along the lattice's axes.
-    pub sides: &'a [Side],
-    pub index: &'a PointIndex,
-    pub axes: Axes,
-    /// A_i [m²].
-    pub areas: &'a [f64],
-    pub micromodulus: &'a Micromodulus,
-    /// What corrects bonds near free surfaces, if anything does.
-    pub surface: Option<&'a Surface>,
-    /// What points see of each other, along the lattice's axes.
-    pub visibility: &'a Visibility,
-    /// h_t [m].
-    pub thickness: f64,
-    /// The node of the first point.
-    pub first_node: u32,
+/// The clip coupling.
+pub struct Clip;
+
+impl Tie for Clip {
+    fn name(&self) -> &'static str {
+        "clipped bonds"
+    }
+
+    fn clearance(&self) -> f64 {
+        CLEARANCE
+    }
+
+    fn interface_cuts_areas(&self) -> bool {
+        false
+    }
+
+    fn tie(&self, bonds: Interactions, parts: &Parts) -> Tied {
+        let clipped = clip(&Region {
+            outline: parts.outline,
+            sides: &sides(parts),
+            index: &parts.lattice.index,
+            axes: parts.axes,
+            areas: &parts.lattice.areas,
+            micromodulus: parts.micromodulus,
+            surface: parts.surface,
+            visibility: parts.visibility,
+            thickness: parts.thickness,
+            first_node: parts.first_node,
+        });
+        let mut interactions = bonds;
+        interactions.retain_bonds(|pair| {
+            let pair = pair.map(|node| node - parts.first_node);
+            clipped.replaced.binary_search(&pair).is_err()
+        });
+        interactions.append(clipped.interactions);
+        Tied {
+            interactions,
+            family_shares: clipped.shares,
+            bond_lengths: clipped.bond_lengths,
+        }
+    }
 }
 
-/// What the coupling adds and what it takes away.
+/// The sides of a lattice's outline, with the lattice on the left, along its axes.
+fn sides(parts: &Parts) -> Vec<Side> {
+    let interface: HashSet<[usize; 2]> = parts.interface.iter().map(Edge::key).collect();
+    let position = |node: usize| parts.axes.local(parts.mesh.nodes[node]);
+    let node_of = |node: usize| parts.node_of[node];
+    let side = |edge: &Edge| Side {
+        ends: edge.ends.map(position),
+        middle: edge.middle.map(position),
+        nodes: if interface.contains(&edge.key()) {
+            edge.nodes().filter_map(node_of).collect()
+        } else {
+            Vec::new()
+        },
+    };
+    parts.edges.iter().map(side).collect()
+}
+
+/// A peridynamic region and its lattice.
+struct Region<'a> {
+    /// Outline along the lattice's axes.
+    outline: &'a Outline,
+    /// All sides of the outline, along the lattice's axes.
+    sides: &'a [Side],
+    index: &'a PointIndex,
+    axes: Axes,
+    /// A_i [m²].
+    areas: &'a [f64],
+    micromodulus: &'a Micromodulus,
+    /// Correction of bonds near free surfaces.
+    surface: Option<&'a Surface>,
+    /// Visibility along the lattice's axes.
+    visibility: &'a Visibility,
+    /// h_t [m].
+    thickness: f64,
+    /// The node of the first point.
+    first_node: u32,
+}
+
+/// The clipped bonds of a lattice, and the bonds that they replace.
 #[derive(Clone, Debug, Default)]
-pub struct Clip {
-    pub interactions: Interactions,
+struct ClippedBonds {
+    interactions: Interactions,
     /// ξ of the bond that each interaction is a part of [m].
-    pub bond_lengths: Vec<f64>,
-    /// Members that the interactions are of the families of points.
-    pub shares: Vec<FamilyShare>,
+    bond_lengths: Vec<f64>,
+    /// Places of the interactions in the points' families.
+    shares: Vec<FamilyShare>,
     /// Bonds between two points that `interactions` stand for, lower point first, ascending.
-    pub replaced: Vec<[u32; 2]>,
+    replaced: Vec<[u32; 2]>,
 }
 
 /// An interaction that holds the place of a neighbour, or of a part of one, in a point's family.
@@ -97,22 +159,22 @@ pub struct FamilyShare {
     pub interaction: u32,
     /// The point's node.
     pub point: u32,
-    /// What counts of the neighbour's area [m²].
+    /// The part of the neighbour's area that counts [m²].
     pub area: f64,
 }
 
 /// Clips the bonds of a region.
-pub fn clip(region: &Region) -> Clip {
+fn clip(region: &Region) -> ClippedBonds {
     let half = |&[a, b]: &[i32; 2]| a > 0 || (a == 0 && b > 0);
     let families: Vec<[i32; 2]> = family_offsets(region.micromodulus)
         .into_iter()
         .filter(half)
         .collect();
-    let parts: Vec<Clip> = families
+    let parts: Vec<ClippedBonds> = families
         .par_iter()
         .map(|&family| clip_family(region, family.map(i64::from)))
         .collect();
-    let mut all = Clip::default();
+    let mut all = ClippedBonds::default();
     for ([a, b], part) in families.into_iter().zip(parts) {
         let bond_length = region.index.spacing * f64::from(a).hypot(f64::from(b));
         let interactions = std::iter::repeat_n(bond_length, part.interactions.len());
@@ -130,8 +192,8 @@ pub fn clip(region: &Region) -> Clip {
     all
 }
 
-fn clip_family(region: &Region, family: [i64; 2]) -> Clip {
-    let mut clip = Clip::default();
+fn clip_family(region: &Region, family: [i64; 2]) -> ClippedBonds {
+    let mut clip = ClippedBonds::default();
     let Region {
         index,
         micromodulus,

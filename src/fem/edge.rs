@@ -3,7 +3,7 @@
 use super::quadrature::gauss_3;
 use crate::mesh::Edge;
 
-/// What acts on an edge, per unit of its area.
+/// A load on an edge, per unit of its area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EdgeLoad {
     /// Force per area in fixed directions [Pa].

@@ -63,7 +63,7 @@ pub fn full(kind: CellKind) -> Vec<QuadraturePoint> {
     }
 }
 
-/// Where strains are most accurate (Barlow points): 2 × 2 Gauss points, the three points of degree 2
+/// The points at which strains are most accurate (Barlow points): 2 × 2 Gauss points, the three points of degree 2
 /// in Tri6, the centroid of Tri3.
 pub fn barlow(kind: CellKind) -> Vec<QuadraturePoint> {
     match kind {

@@ -29,7 +29,7 @@ pub fn direction(axes: &NodeAxes, dof: usize) -> [f64; 2] {
 }
 
 impl Model {
-    /// The same model whose nodes have the axes that supports ask for.
+    /// Gives the nodes the axes that supports ask for.
     pub fn with_node_axes(mut self, axes: &NodeAxes) -> Model {
         self.node_axes = axes.clone();
         self

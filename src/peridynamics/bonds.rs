@@ -1,7 +1,7 @@
 //! Families and bonds: all pairs of a lattice's points within the horizon of each other that see each
 //! other ([`super::visibility`]).
 
-use super::kernel::Micromodulus;
+use super::kernel::{Micromodulus, axial_stiffness};
 use super::lattice::Lattice;
 use super::visibility::Visibility;
 use crate::interactions::Interactions;
@@ -18,7 +18,7 @@ pub fn family_offsets(micromodulus: &Micromodulus) -> Vec<[i32; 2]> {
         .collect()
 }
 
-/// The bonds of one peridynamic region with their stiffness k = c(ξ) A_i A_j h_t / ξ [N/m], eq. (19),
+/// The bonds of one peridynamic region with their stiffness ([`axial_stiffness`]),
 /// sorted by their ends, which count from `first_node`.
 ///
 /// On a lattice a bond is a site and one of few offsets ξ, so that nothing is searched and c(ξ) is found
@@ -56,7 +56,7 @@ pub fn bonds(
     Interactions::of_bonds(pairs, stiffness)
 }
 
-/// What the bonds of a lattice are made from.
+/// The families from which the bonds of a lattice are made.
 struct Families<'a> {
     lattice: &'a Lattice,
     thickness: f64,
@@ -65,7 +65,7 @@ struct Families<'a> {
     half: Vec<([i64; 2], f64, f64)>,
 }
 
-/// What the bonds from a row of sites are.
+/// The bonds from a row of sites.
 struct Row {
     bonds: usize,
     /// Points and places in half a family: neighbours that the point does not see, ascending.
@@ -141,7 +141,8 @@ impl Families<'_> {
                 {
                     let (pair, k) = places.next().expect("the row was counted");
                     *pair = [first_node + i, first_node + j];
-                    *k = c * areas[i as usize] * areas[j as usize] * self.thickness / xi;
+                    let areas = [i, j].map(|point| areas[point as usize]);
+                    *k = axial_stiffness(c, xi, areas, self.thickness);
                 }
             }
         }

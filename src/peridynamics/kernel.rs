@@ -89,7 +89,7 @@ pub struct Micromodulus {
     pub spacing: f64,
     /// c0 per unit thickness [N/m⁵]; eq. (10) for the quartic kernel in plane stress.
     pub c0: f64,
-    /// What corrects c(ξ) for the lattice's quadrature; [`Isotropy::RAW`] leaves it as it is.
+    /// Correction of c(ξ) for the lattice's quadrature; [`Isotropy::RAW`] leaves it as it is.
     pub isotropy: Isotropy,
     /// The lattice's energy release rate over that of the continuum at one critical stretch; 1 where
     /// the kernel is raw [-].
@@ -125,8 +125,8 @@ impl Micromodulus {
         }
     }
 
-    /// The same with a c*(ξ) that gives the lattice the material's moduli, see [`isotropy`]; the
-    /// lattice's energy release rate is told along with it.
+    /// Replaces c(ξ) by the c*(ξ) that gives the lattice the material's moduli, see [`isotropy`], and sets the
+    /// lattice's energy release rate.
     pub fn isotropised(mut self) -> Micromodulus {
         self.isotropy = Isotropy::RAW;
         self.isotropy = Isotropy::on_lattice(&self);
@@ -178,13 +178,18 @@ impl Micromodulus {
         c * self.isotropy.factor(bond)
     }
 
-    /// Axial stiffness k = c(ξ) A_i A_j h_t / ξ of a bond or truss along `bond` = x_j − x_i [m], in N/m;
-    /// Qian et al. (2021), eqs. (19) and (20), which print force densities: times the two areas and
-    /// the thickness.
+    /// Axial stiffness [N/m] of a bond or truss along `bond` = x_j − x_i [m], see [`axial_stiffness`].
     pub fn axial_stiffness(&self, bond: [f64; 2], areas: [f64; 2], thickness: f64) -> f64 {
         let xi = bond[0].hypot(bond[1]);
-        self.density(bond) * areas[0] * areas[1] * thickness / xi
+        axial_stiffness(self.density(bond), xi, areas, thickness)
     }
+}
+
+/// Axial stiffness k = c(ξ) A_i A_j h_t / ξ [N/m] of a bond or truss of the length ξ [m] with the micromodulus
+/// c(ξ) [N/m⁵]; Qian et al. (2021), eqs. (17)–(20), which print force densities: times the two areas
+/// and the thickness.
+pub fn axial_stiffness(c: f64, xi: f64, areas: [f64; 2], thickness: f64) -> f64 {
+    c * areas[0] * areas[1] * thickness / xi
 }
 
 #[cfg(test)]

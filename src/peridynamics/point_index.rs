@@ -1,6 +1,6 @@
-//! Which sites of the endless lattice hold a material point.
+//! The sites of the endless lattice that hold a material point.
 
-/// Which sites of the endless lattice hold a material point.
+/// The material point at each site of the endless lattice that holds one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointIndex {
     /// The site (0, 0), along the lattice's axes [m].
@@ -45,7 +45,7 @@ impl PointIndex {
         [0, 1].map(|axis| (position[axis] - self.first[axis]) / self.spacing)
     }
 
-    /// Where the site (i, j) is, along the lattice's axes [m].
+    /// Position of the site (i, j) along the lattice's axes [m].
     pub fn position(&self, [i, j]: [i64; 2]) -> [f64; 2] {
         [
             self.first[0] + i as f64 * self.spacing,

@@ -58,7 +58,7 @@ pub enum SurfaceError {
 pub struct Surface {
     correction: SurfaceCorrection,
     sites: Sites,
-    /// What each site has of a whole family, by component [-].
+    /// The share of a whole family that each site has, by component [-].
     completeness: Vec<[f64; 2]>,
     edges: EdgeFactors,
 }
@@ -191,7 +191,7 @@ fn completeness(
     (0..columns * rows).into_par_iter().map(of_site).collect()
 }
 
-/// What a neighbour of the area dx² adds to S_x and S_y, or to V/dx² twice.
+/// The contribution of a neighbour with the area dx² to S_x and S_y, or to V/dx² twice.
 fn weight(
     correction: SurfaceCorrection,
     micromodulus: &Micromodulus,

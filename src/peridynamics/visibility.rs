@@ -30,7 +30,7 @@ pub struct Visibility {
     bands: Lists,
 }
 
-/// What a point sees.
+/// The view from a point.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
     visibility: &'a Visibility,
@@ -58,7 +58,7 @@ struct Lists {
     items: Vec<u32>,
 }
 
-/// By how many ε parallels are shorter at either end: a corner of 1.2° holds the end of one.
+/// Parallels are shorter by so many ε at either end: a corner of 1.2° holds the end of one.
 const TRIM: f64 = 100.0;
 
 /// Bins are made wider until there are no more of them for each side than this, and for a few sides.
@@ -84,12 +84,12 @@ impl Visibility {
         }
     }
 
-    /// Of a body in which nothing is hidden, such as a convex one.
+    /// The visibility in a body in which nothing is hidden, such as a convex one.
     pub fn unlimited() -> Visibility {
         Visibility::new(&Outline::default(), 1.0, 1.0)
     }
 
-    /// What a point in the body sees.
+    /// The view from a point in the body.
     pub fn from(&self, x: [f64; 2]) -> View<'_> {
         let is_near = self.bins.near[self.bins.at(x)];
         View {

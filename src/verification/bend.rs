@@ -72,7 +72,7 @@ fn compliance(a: f64, dx: f64) -> Result<f64, VerificationError> {
 /// K_I B W^1.5/(P S) with dx = W/`per_width`, an even number.
 ///
 /// # Errors
-/// What building and solving report.
+/// Errors of building and solving.
 pub fn factor(per_width: usize) -> Result<f64, VerificationError> {
     let dx = 1.0 / per_width as f64;
     let rate = 0.5 * (compliance(0.5 + dx, dx)? - compliance(0.5 - dx, dx)?) / (2.0 * dx);

@@ -1,4 +1,4 @@
-//! What the cases build their bodies from, and how they solve them.
+//! Bodies of the cases, and their solution.
 
 use super::VerificationError;
 use crate::boundary::Boundary;
@@ -65,10 +65,10 @@ pub fn region(mesh: &Mesh, groups: &[&str], material: Material, method: Method) 
 /// The paper's coupling, by the reading of its Table 1.
 pub const TRUSS: Coupling = Coupling::Truss(NodeArea::Lumped);
 
-/// In plane stress, of the thickness 1 m.
+/// Builds a model in plane stress, of the thickness 1 m.
 ///
 /// # Errors
-/// What [`Model::build`] reports.
+/// Errors of [`Model::build`].
 pub fn build(
     mesh: Mesh,
     regions: Vec<Region>,

@@ -33,7 +33,7 @@ pub const STIFFNESS: f64 = 2.8213e10;
 pub const RATE: f64 = 1.7210e11;
 pub const FACTOR: f64 = 1.016;
 
-/// What stands for the plate.
+/// The methods by which the plate is modelled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plate {
     Peridynamics,
@@ -41,7 +41,7 @@ pub enum Plate {
     Hybrid,
 }
 
-/// What its points are.
+/// The settings of its points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Points {
     /// The paper's: raw micromodulus, no surface correction, trusses.
@@ -61,7 +61,7 @@ pub struct Ratios {
 /// The plate with δ = `horizon` · a and δ = `ratio` · dx.
 ///
 /// # Errors
-/// What building and solving report.
+/// Errors of building and solving.
 pub fn ratios(
     plate: Plate,
     points: Points,

@@ -19,7 +19,7 @@ use crate::mesh::{CellKind, Mesh};
 use crate::model::{Method, Model};
 use std::f64::consts::PI;
 
-/// What the disc is made of; D, h_t, E and P are 1.
+/// The method of the disc; D, h_t, E and P are 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Disc {
     Peridynamics,
@@ -70,7 +70,7 @@ pub fn exact(x: f64) -> [f64; 2] {
 /// right, at dx = D/`per_diameter`, an even number.
 ///
 /// # Errors
-/// What building and solving report.
+/// Errors of building and solving.
 pub fn profile(disc: Disc, per_diameter: usize) -> Result<Vec<[f64; 3]>, VerificationError> {
     let dx = 1.0 / per_diameter as f64;
     let mesh = mesh();

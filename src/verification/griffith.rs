@@ -38,7 +38,7 @@ use crate::mesh::{CellKind, Edge};
 use crate::model::{Method, Model};
 use crate::phases::Phases;
 
-/// In spacings; dx, E and G0 are 1.
+/// Lengths in spacings; dx, E and G0 are 1.
 const LENGTH: usize = 192;
 const HEIGHT: usize = 40;
 const BAND: usize = 24;
@@ -84,7 +84,7 @@ fn strip() -> Result<Model, VerificationError> {
     Ok(build(mesh, regions, Coupling::Clip)?.with_cracks(&cracks))
 }
 
-/// What came of the growth.
+/// The result of the growth.
 #[derive(Clone, Debug)]
 pub struct Growth {
     /// (crack length in spacings, opening over Griffith's, energy that broken bonds took over G0 dx h_t)
@@ -122,7 +122,7 @@ impl Growth {
             .collect()
     }
 
-    /// What broken bonds take per area of new crack over G0: the slope of the straight line through all
+    /// Energy of broken bonds per area of new crack over G0: the slope of the straight line through all
     /// events behind the first column.
     pub fn energy_per_area(&self) -> f64 {
         let within = || self.path.iter().filter(|[a, ..]| *a > (CRACK + 1) as f64);
@@ -140,7 +140,7 @@ impl Growth {
 /// Grows the crack.
 ///
 /// # Errors
-/// What building and solving report.
+/// Errors of building and solving.
 pub fn grow(resolution: Resolution) -> Result<Growth, VerificationError> {
     let model = strip()?;
     let mut boundary = Boundary::new(&model);
@@ -216,7 +216,7 @@ pub fn grow(resolution: Resolution) -> Result<Growth, VerificationError> {
     })
 }
 
-/// How many of the bonds that are gone have a mirror image that is not.
+/// Number of broken bonds whose mirror image is whole.
 fn unmirrored(model: &Model, gone: &[usize]) -> usize {
     let key = |interaction: usize, turn: bool| {
         let ends = model.interactions.segment(interaction, &model.positions);

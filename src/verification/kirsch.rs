@@ -103,10 +103,10 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Of the column of points beside x = 0 at dx = a/`per_radius`.
+    /// Stresses of the column of points beside x = 0 at dx = a/`per_radius`.
     ///
     /// # Errors
-    /// What building and solving report.
+    /// Errors of building and solving.
     pub fn new(per_radius: usize) -> Result<Profile, VerificationError> {
         let dx = 1.0 / per_radius as f64;
         let mesh = mesh();

@@ -102,7 +102,7 @@ impl Square {
         energy / window / (c.c0 * c.kernel.third_moment() * c.horizon.powi(4))
     }
 
-    /// Along the axis and at 45°.
+    /// Moduli along the axis and at 45°.
     pub fn energy_release_ratios(&self) -> [f64; 2] {
         let (dx, half) = (self.micromodulus.spacing, 0.5f64.sqrt());
         [

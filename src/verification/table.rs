@@ -54,7 +54,7 @@ fn cells(check: &Check) -> [String; 7] {
     ]
 }
 
-/// What rounding leaves of zero has no digits to be told.
+/// Rounding errors of zero have no digits worth printing.
 fn measured(check: &Check) -> String {
     match check.reference {
         Reference::Zero { .. } if check.measured != 0.0 => format!("{:.0e}", check.measured),
@@ -62,7 +62,7 @@ fn measured(check: &Check) -> String {
     }
 }
 
-/// In percent of the reference, where there is one.
+/// The difference in percent of the reference, where there is one.
 fn error(check: &Check) -> String {
     let Reference::Value { .. } = check.reference else {
         return "–".to_owned();

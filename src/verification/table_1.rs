@@ -12,14 +12,14 @@ use crate::peridynamics::lattice::{LatticeSettings, Placement};
 
 const YOUNG: f64 = 100e9;
 
-/// How the left end is held.
+/// The support of the left end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Support {
     Clamp,
     Rollers,
 }
 
-/// What the bar is made of.
+/// The method of the bar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bar {
     FiniteElements,
@@ -69,7 +69,7 @@ fn regions(mesh: &Mesh, bar: Bar) -> Vec<Region> {
 /// u_x at mid-height of the right edge [m].
 ///
 /// # Errors
-/// What building and solving report.
+/// Errors of building and solving.
 pub fn tip(bar: Bar, kind: CellKind, support: Support) -> Result<f64, VerificationError> {
     let mesh = mesh(kind);
     let regions = regions(&mesh, bar);
@@ -82,7 +82,7 @@ pub fn tip(bar: Bar, kind: CellKind, support: Support) -> Result<f64, Verificati
             boundary.displace(&model, "corner", [None, Some(0.0)])?;
         }
     }
-    boundary.press(&model, "load", EdgeLoad::Traction([1.05e6, 0.0]))?;
+    boundary.add_traction(&model, "load", EdgeLoad::Traction([1.05e6, 0.0]))?;
     let solution = solve(&model, &boundary)?;
     Ok(solution.displacement[nearest(&model.positions, [1.0, 0.1])][0])
 }

@@ -3,7 +3,7 @@
 use super::side::Frame;
 use super::stencil::{self, Stencil};
 use super::strip::{Crossing, Interval, SubStrip};
-use super::{Clip, FamilyShare, Region};
+use super::{ClippedBonds, FamilyShare, Region};
 use std::collections::BTreeMap;
 
 /// Sites nearer than this to an end in the finite elements are left out of a chain [dx]. Less than the
@@ -50,7 +50,7 @@ struct Member<'a> {
 
 impl Line<'_> {
     /// Adds the interactions of the line's chains, and the bonds that they stand for.
-    pub fn clip(&self, sub_strips: &[SubStrip], clip: &mut Clip) {
+    pub fn clip(&self, sub_strips: &[SubStrip], clip: &mut ClippedBonds) {
         let members = self.members(sub_strips);
         let mut covered: BTreeMap<i64, f64> = BTreeMap::new();
         for member in &members {
@@ -131,7 +131,7 @@ impl Line<'_> {
         members
     }
 
-    /// Where an interval's sites may be: ℓ [m].
+    /// Range of ℓ in which an interval's sites may be [m].
     fn range(&self, sub_strip: &SubStrip, i: usize) -> [f64; 2] {
         let [low, high] = self.box_range();
         let intervals = &sub_strip.intervals;
@@ -189,7 +189,7 @@ impl Line<'_> {
             && stencil::value(self.region.index, self.region.visibility, at).is_some()
     }
 
-    /// Where a site's stand-in on the sub-strip's middle is [m].
+    /// Position of a site's stand-in on the sub-strip's middle [m].
     fn place(&self, k: i64, sub_strip: &SubStrip) -> [f64; 2] {
         let [x, y] = self.region.index.position(self.site(k));
         let p = self.frame.perpendicular();
@@ -230,7 +230,7 @@ impl Line<'_> {
         member: &Member,
         sub_strip: &SubStrip,
         derivatives: &mut BTreeMap<i64, Stencil>,
-        clip: &mut Clip,
+        clip: &mut ClippedBonds,
     ) {
         let Region {
             index,
@@ -285,7 +285,7 @@ impl Line<'_> {
         );
     }
 
-    /// Where the bond is that a member is a part of; `None` where it is between finite elements.
+    /// Ends of the bond that a member is a part of; `None` between finite elements.
     fn bond_of(&self, member: &Member) -> Option<[[f64; 2]; 2]> {
         let first = match member.ends {
             [End::Site { k, .. }, _] => k,

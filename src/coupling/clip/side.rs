@@ -55,7 +55,7 @@ pub struct Arc {
     pub is_free: bool,
 }
 
-/// What a side is on the average over a strip.
+/// The average of a side over a strip.
 #[derive(Clone, Debug, Default)]
 pub struct Average {
     /// The mean of ℓ [m].
@@ -131,7 +131,7 @@ impl Side {
             .collect()
     }
 
-    /// Where the arc is at η: t.
+    /// The parameter t of the arc at η.
     fn place(&self, arc: &Arc, frame: &Frame, across: f64) -> f64 {
         let [c, b, a] = self.polynomial(frame);
         let c = c - across;

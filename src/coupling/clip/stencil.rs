@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Points with their shares.
 pub type Stencil = Vec<(u32, f64)>;
 
-/// How far points may be from what is interpolated from them, one after the other [dx].
+/// Distances up to which points are looked for to interpolate from, one after the other [dx].
 const RADII: [f64; 3] = [1.5, 2.0, 2.5];
 
 /// Least eigenvalue of the moments of a sound set of points; 0.27 for the half of a square.

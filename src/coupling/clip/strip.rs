@@ -2,7 +2,7 @@
 
 use super::side::{Arc, Average, Frame, Side};
 
-/// Where a chain of bonds enters or leaves the region.
+/// A place at which a chain of bonds enters or leaves the region.
 #[derive(Clone, Debug)]
 pub enum Crossing {
     /// Through the interface: the finite elements there, averaged over the sub-strip.
@@ -25,7 +25,7 @@ impl Crossing {
 #[derive(Clone, Debug)]
 pub struct Interval {
     pub ends: [Crossing; 2],
-    /// From where to where it passes through the empty outside all the same, by two free sides: ℓ [m].
+    /// Ranges of ℓ in which it passes through the empty outside all the same, by two free sides [m].
     pub gaps: Vec<[f64; 2]>,
 }
 
@@ -34,21 +34,21 @@ pub struct Interval {
 pub struct SubStrip {
     /// φ, its share of the strip's width [-].
     pub share: f64,
-    /// From the lattice line to its own middle [m].
+    /// Distance from the lattice line to its own middle [m].
     pub offset: f64,
     /// Its middle, mean of η [m].
     pub across: f64,
     pub intervals: Vec<Interval>,
 }
 
-/// What the outline is in the directions of one family.
+/// The outline in the directions of one family.
 pub struct Outlook<'a> {
     pub frame: Frame,
     pub sides: &'a [Side],
     pub arcs: Vec<Arc>,
     /// η of free sides that run along the lines [m].
     pub edges: Vec<f64>,
-    /// What differs by less is one η [m].
+    /// Values of η that differ by less are one [m].
     pub tolerance: f64,
     /// The longest piece of interface, along the lines, that one part of a strip crosses [m].
     pub longest: f64,
@@ -124,7 +124,7 @@ impl Outlook<'_> {
         cuts
     }
 
-    /// Where an arc that runs nearly along the lines is to be cut: η [m].
+    /// Values of η at which an arc that runs nearly along the lines is cut [m].
     fn divisions(&self, arc: usize, [low, high]: [f64; 2]) -> Vec<f64> {
         let Arc { range, is_free, .. } = self.arcs[arc];
         let (low, high) = (low.max(range[0]), high.min(range[1]));

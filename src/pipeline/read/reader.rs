@@ -13,7 +13,7 @@ use crate::coupling::Coupling;
 use crate::coupling::truss::NodeArea;
 use crate::fracture::laws::Strength;
 use crate::gmsh::Value;
-use crate::material::Material;
+use crate::material::{Material, MaterialError};
 use crate::meshio::MESHES;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -105,14 +105,15 @@ impl Reader<'_> {
             let key = |field| format!("materials/{name}/{field}");
             let young = self.positive(&key("young"), &written.young, Dimension::PRESSURE)?;
             let poisson = self.quantity(&key("poisson"), &written.poisson, Dimension::NUMBER)?;
-            if !(-1.0 < poisson && poisson < 0.5) {
+            let material = Material { young, poisson };
+            if let Err(MaterialError::PoissonOutOfRange { .. }) = material.check() {
                 let message = format!(
                     "Poisson's ratio `{}` is not between -1 and 1/2",
                     written.poisson.0
                 );
                 return Err(self.source.error(&key("poisson"), message, None));
             }
-            Ok((name.clone(), Material { young, poisson }))
+            Ok((name.clone(), material))
         };
         self.spec.materials.iter().map(material).collect()
     }

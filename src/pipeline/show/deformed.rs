@@ -95,7 +95,7 @@ impl<'a> Deformed<'a> {
     }
 
     pub fn interfaces(&self) -> Vec<Vec<[f64; 2]>> {
-        let edges = self.model.interfaces.iter().flat_map(|i| &i.edges);
+        let edges = self.model.topology.interfaces.iter().flat_map(|i| &i.edges);
         edges
             .map(|edge| chords_of(edge, |node| self.moved_mesh_node(node)))
             .collect()

@@ -28,6 +28,7 @@ pub(crate) fn mesh_picture(plan: &Plan, model: &Model) -> MeshPicture {
         region,
     };
     let edges = model
+        .topology
         .interfaces
         .iter()
         .flat_map(|interface| &interface.edges);

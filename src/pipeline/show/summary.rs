@@ -2,6 +2,7 @@
 
 use super::results::{Outcome, lattice_name};
 use crate::fracture::envelope::peak;
+use crate::geometry::edge_length;
 use crate::gmsh;
 use crate::model::{Method, PointRegion};
 use crate::pipeline::account::costs::Costs;
@@ -95,12 +96,16 @@ impl Outcome<'_> {
 
     fn interfaces(&self) -> Vec<InterfaceSummary> {
         let model = self.model;
-        let interfaces = model.interfaces.iter();
+        let interfaces = model.topology.interfaces.iter();
         let summaries = interfaces.map(|interface| InterfaceSummary {
             finite_elements: model.regions[interface.finite_elements].name.clone(),
             peridynamics: model.regions[interface.peridynamics].name.clone(),
             edges: interface.edges.len(),
-            length_m: interface.edges.iter().map(|e| model.edge_length(e)).sum(),
+            length_m: interface
+                .edges
+                .iter()
+                .map(|e| edge_length(e, &model.mesh.nodes))
+                .sum(),
         });
         summaries.collect()
     }

@@ -19,7 +19,7 @@ use crate::support::{self, NotHeld};
 pub fn discretise(plan: &Plan, mesh: Mesh) -> Result<(Model, Boundary), InputError> {
     let mut regions = regions(plan, &mesh)?;
     let by_default: Vec<bool> = plan.regions.iter().map(|r| r.angle_by_default).collect();
-    model::bodies::turn_lattices(&mesh, &mut regions, &by_default);
+    model::turn_lattices(&mesh, &mut regions, &by_default);
     check_groups(plan, &mesh)?;
     let cracks = cracks(plan, &mesh)?;
     check_no_fail(plan, &mesh)?;
@@ -132,13 +132,13 @@ fn apply(
         boundary.displace_along(model, group, displaced.directions, displaced.components)?;
     }
     for &load in &condition.loads {
-        boundary.press(model, group, load)?;
+        boundary.add_traction(model, group, load)?;
     }
     if let Some(force) = condition.force {
-        boundary.push(model, group, force)?;
+        boundary.add_force(model, group, force)?;
     }
     if let Some(density) = condition.body_force {
-        boundary.weigh(model, group, density)?;
+        boundary.add_body_force(model, group, density)?;
     }
     Ok(())
 }
@@ -303,6 +303,26 @@ fn model_error(plan: &Plan, error: &ModelError) -> InputError {
                 second.replace('+', ", ")
             ),
         ),
+        ModelError::ThicknessNotPositive { .. } => {
+            ("thickness".to_owned(), "write a length greater than zero, such as `1 mm`".to_owned())
+        }
+        ModelError::NodeAreaNotPositive { .. } => (
+            "coupling/truss/node_area".to_owned(),
+            "write `lumped`, `half-edge` or an area such as `12.5 mm^2`".to_owned(),
+        ),
+        ModelError::NoRegion => (
+            "regions".to_owned(),
+            "name a physical surface and its model: `fem` or `peridynamics`".to_owned(),
+        ),
+        ModelError::Settings { region, .. } => {
+            (key(region), "look at the region's material and lattice".to_owned())
+        }
+        ModelError::NodeNotFinite { .. } | ModelError::NodeMissing { .. } => {
+            ("geometry/file".to_owned(), "make the mesh anew".to_owned())
+        }
+        ModelError::CellMissing { region, .. } | ModelError::CellTwice { region, .. } => {
+            (key(region), "make the mesh anew".to_owned())
+        }
         ModelError::Jacobian { region, .. } => (
             key(region),
             "look at the mesh there; curved sides may need smaller elements, and a `.msh` the node \

@@ -2,7 +2,7 @@
 
 use super::Reader;
 use crate::material::{Material, PlaneState};
-use crate::model::{Method, PeridynamicSettings};
+use crate::model::{Method, PeridynamicSettings, SMALLEST_HORIZON, SettingsError, check_horizon};
 use crate::peridynamics::kernel::{Kernel, PartialArea};
 use crate::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
 use crate::peridynamics::surface::SurfaceCorrection;
@@ -11,14 +11,6 @@ use crate::pipeline::read::quantity::{self, Dimension};
 use crate::pipeline::read::source::{InputError, choices};
 use crate::pipeline::read::spec;
 use std::collections::BTreeMap;
-
-/// Poisson's ratio may differ by this much from 1/3 or 1/4, so that 0.3333333 is accepted.
-const POISSON_TOLERANCE: f64 = 1e-6;
-
-/// Horizons of fewer spacings hold too few bonds for an isotropic material.
-const SMALLEST_HORIZON: f64 = 2.0;
-/// Larger families than these 1 250 neighbours are a slip of the pen.
-const LARGEST_HORIZON: f64 = 20.0;
 
 impl Reader<'_> {
     pub(crate) fn regions(
@@ -63,8 +55,7 @@ impl Reader<'_> {
         material: &Material,
         plane: PlaneState,
     ) -> Result<(), InputError> {
-        let needed = plane.bond_based_poisson();
-        if (material.poisson - needed).abs() <= POISSON_TOLERANCE {
+        if material.check_bond_based(plane).is_ok() {
             return Ok(());
         }
         let (state, fraction) = match plane {
@@ -133,8 +124,7 @@ impl Reader<'_> {
             angle: self.lattice_angle(index, region)?,
             origin: self.lattice_origin(index, region)?,
         };
-        self.check_clip(index, region)?;
-        Ok(Method::Peridynamics(PeridynamicSettings {
+        let settings = PeridynamicSettings {
             lattice,
             horizon_ratio: self.horizon(&key("horizon"), written, spacing)?,
             kernel: region.kernel.unwrap_or(Kernel::Quartic),
@@ -143,7 +133,9 @@ impl Reader<'_> {
             surface_correction: region
                 .surface_correction
                 .unwrap_or(SurfaceCorrection::Force),
-        }))
+        };
+        self.check_coupling(index, &settings)?;
+        Ok(Method::Peridynamics(settings))
     }
 
     /// The lattice's angle to the x axis [rad].
@@ -169,19 +161,17 @@ impl Reader<'_> {
         Ok(Some([at(0, x)?, at(1, y)?]))
     }
 
-    /// Clipped bonds and finite elements must have one elasticity.
-    fn check_clip(&self, index: usize, region: &spec::Region) -> Result<(), InputError> {
-        let is_clip = matches!(self.spec.coupling, spec::Coupling::Clip);
-        if !is_clip || !matches!(region.micromodulus, Some(spec::Micromodulus::Raw)) {
-            return Ok(());
-        }
-        let message = "the clip needs a lattice with the finite elements' moduli, and a raw \
-                       micromodulus has others: 0.6 % of a uniform strain would be wrong beside the \
-                       interface"
-            .to_owned();
-        let help = "remove `micromodulus`, or write `micromodulus: isotropised`".to_owned();
-        let key = format!("regions/{index}/micromodulus");
-        Err(self.source.error(&key, message, Some(help)))
+    fn check_coupling(
+        &self,
+        index: usize,
+        settings: &PeridynamicSettings,
+    ) -> Result<(), InputError> {
+        let checked = settings.check_coupling(self.coupling()?);
+        checked.map_err(|error| {
+            let help = "remove `micromodulus`, or write `micromodulus: isotropised`".to_owned();
+            let key = format!("regions/{index}/micromodulus");
+            self.source.error(&key, error.to_string(), Some(help))
+        })
     }
 
     /// m = δ/dx from a number of spacings or a length.
@@ -191,26 +181,24 @@ impl Reader<'_> {
             Ok((number, None)) => number,
             _ => self.quantity(key, written, Dimension::LENGTH)? / spacing,
         };
-        if ratio < SMALLEST_HORIZON * (1.0 - 1e-9) {
-            return fail(
+        match check_horizon(ratio) {
+            Err(SettingsError::HorizonTooLarge { most, .. }) => fail(
+                format!(
+                    "a horizon of {} is {ratio:.3} spacings, more than {most}",
+                    written.0
+                ),
+                "a number without a unit counts spacings: `horizon: 4`; a length needs a unit"
+                    .into(),
+            ),
+            Err(_) => fail(
                 format!(
                     "a horizon of {} is {ratio:.3} spacings, less than {SMALLEST_HORIZON}",
                     written.0
                 ),
                 "give it in spacings (`horizon: 4`) or as a length; 3 to 5 spacings are usual"
                     .into(),
-            );
+            ),
+            Ok(()) => Ok(ratio),
         }
-        if ratio > LARGEST_HORIZON {
-            return fail(
-                format!(
-                    "a horizon of {} is {ratio:.3} spacings, more than {LARGEST_HORIZON}",
-                    written.0
-                ),
-                "a number without a unit counts spacings: `horizon: 4`; a length needs a unit"
-                    .into(),
-            );
-        }
-        Ok(ratio)
     }
 }

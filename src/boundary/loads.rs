@@ -1,4 +1,8 @@
-//! Total forces, and forces per volume.
+//! Loads on physical curves and points.
+//!
+//! A *traction* or pressure on a curve acts on finite elements by consistent loads, and on a layer of
+//! material points: each takes the part of the curve to which it is the nearest ([`super::nearest`]), or
+//! where all areas are dx², as the paper has it, a share in proportion to its area.
 //!
 //! A force F on a *curve* is the traction F/(L h_t) over its length L along the body. On a *point* it acts
 //! on the finite-element node there; in a peridynamic region it is spread over the material points within δ
@@ -9,27 +13,70 @@
 //! ```text
 //! f_i = w_i [F + ω ẑ×(x_i − c)],   Σ w_i = 1,   ω = (c − p)×F / Σ w_i |x_i − c|² · (−1)
 //! ```
-//!
-//! A force per *volume* b acts on elements by ∫ N_a b h_t dA and on material points by b h_t times the part
-//! of their squares in the surface that it is given for, slivers as in [`crate::peridynamics::lattice`]; so
-//! the resultant is exact, whatever the areas A_i.
 
-use super::{Boundary, BoundaryError, length, outline_edges};
-use crate::fem::edge::EdgeLoad;
-use crate::fem::element;
-use crate::geometry::Outline;
+use super::groups::{POINT_REACH, length, outline_edges};
+use super::layer::{LayerPoint, layer};
+use super::{Boundary, BoundaryError};
+use crate::fem::edge::{EdgeLoad, consistent_load};
 use crate::model::{Method, Model, PointRegion};
 use crate::peridynamics::axes::Axes;
-use crate::peridynamics::lattice::areas_within;
-use std::collections::BTreeSet;
+use crate::peridynamics::lattice::CellArea;
 
 impl Boundary {
+    /// Adds a traction or pressure on a physical curve.
+    ///
+    /// # Errors
+    /// [`BoundaryError::LoadOnPoint`], [`BoundaryError::NoOutline`].
+    pub fn add_traction(
+        &mut self,
+        model: &Model,
+        group: &str,
+        load: EdgeLoad,
+    ) -> Result<(), BoundaryError> {
+        let Some(curve) = model.mesh.curves.get(group) else {
+            return Err(BoundaryError::LoadOnPoint {
+                group: group.to_owned(),
+            });
+        };
+        let (on_elements, on_points) = outline_edges(model, curve);
+        if on_elements.is_empty() && on_points.is_empty() {
+            return Err(BoundaryError::NoOutline {
+                group: group.to_owned(),
+            });
+        }
+        let thickness = model.settings.thickness;
+        for edge in &on_elements {
+            for (node, force) in consistent_load(edge, &model.mesh.nodes, load, thickness) {
+                let node = model.node_of[node].expect("an outline edge has finite-element nodes");
+                self.add_nodal_force(node as usize, force);
+            }
+        }
+        for (points, edges) in &on_points {
+            if has_clipped_areas(model, points) {
+                if !self.add_nearest_traction(model, points, edges, load) {
+                    return Err(BoundaryError::NothingThere {
+                        group: group.to_owned(),
+                    });
+                }
+                continue;
+            }
+            let layer = layer(model, points, edges);
+            if layer.is_empty() {
+                return Err(BoundaryError::NothingThere {
+                    group: group.to_owned(),
+                });
+            }
+            self.add_traction_by_area(model, &layer, length(model, edges), load);
+        }
+        Ok(())
+    }
+
     /// Adds a total force [N] on a physical curve, or on a physical point; on several points of one group
     /// in equal parts.
     ///
     /// # Errors
     /// [`BoundaryError::NoOutline`], [`BoundaryError::NothingThere`].
-    pub fn push(
+    pub fn add_force(
         &mut self,
         model: &Model,
         group: &str,
@@ -45,7 +92,7 @@ impl Boundary {
                 });
             }
             let area = total * model.settings.thickness;
-            return self.press(model, group, EdgeLoad::Traction(force.map(|f| f / area)));
+            return self.add_traction(model, group, EdgeLoad::Traction(force.map(|f| f / area)));
         }
         let points = model.mesh.points.get(group).map_or(&[][..], Vec::as_slice);
         if points.is_empty() {
@@ -55,7 +102,7 @@ impl Boundary {
         }
         let share = force.map(|f| f / points.len() as f64);
         for &point in points {
-            if !self.push_point(model, point, share) {
+            if !self.add_point_force(model, point, share) {
                 return Err(BoundaryError::NothingThere {
                     group: group.to_owned(),
                 });
@@ -64,10 +111,10 @@ impl Boundary {
         Ok(())
     }
 
-    /// Whether there is anything that takes the force at a node of the mesh.
-    fn push_point(&mut self, model: &Model, mesh_node: usize, force: [f64; 2]) -> bool {
+    /// Adds a force [N] at a node of the mesh. Returns whether anything of the body is there.
+    fn add_point_force(&mut self, model: &Model, mesh_node: usize, force: [f64; 2]) -> bool {
         if let Some(node) = model.node_of[mesh_node] {
-            self.add_force(node as usize, force);
+            self.add_nodal_force(node as usize, force);
             return true;
         }
         let at = model.mesh.nodes[mesh_node];
@@ -75,59 +122,46 @@ impl Boundary {
             return false;
         };
         for (node, force) in spread(model, points, at, force) {
-            self.add_force(node, force);
+            self.add_nodal_force(node, force);
         }
         true
     }
 
-    /// Adds a force per volume [N/m³] on the body's cells of a physical surface.
-    ///
-    /// # Errors
-    /// [`BoundaryError::NothingThere`].
-    pub fn weigh(
+    /// Adds a traction on a layer of points over a curve's length [m], in proportion to their areas.
+    fn add_traction_by_area(
         &mut self,
         model: &Model,
-        group: &str,
-        density: [f64; 2],
-    ) -> Result<(), BoundaryError> {
-        let nothing = || BoundaryError::NothingThere {
-            group: group.to_owned(),
-        };
-        let surface = model.mesh.surfaces.get(group).ok_or_else(nothing)?;
-        let cells: BTreeSet<usize> = surface.iter().copied().collect();
-        let in_body = model.regions.iter().flat_map(|region| &region.cells);
-        if !in_body.clone().any(|cell| cells.contains(cell)) {
-            return Err(nothing());
+        layer: &[LayerPoint],
+        length: f64,
+        load: EdgeLoad,
+    ) {
+        let area = |point: &LayerPoint| model.areas[point.node - model.fe_node_count()];
+        let total: f64 = layer.iter().map(area).sum();
+        for point in layer {
+            let share = length * model.settings.thickness * area(point) / total;
+            self.add_nodal_force(point.node, load.traction(point.normal).map(|t| t * share));
         }
-        for element in 0..model.elements.len() {
-            if cells.contains(&model.elements[element].1) {
-                let nodes = model.element_nodes(element);
-                for (node, share) in nodes.into_iter().zip(self.volumes(model, element)) {
-                    self.add_force(node as usize, density.map(|b| b * share));
-                }
-            }
-        }
-        for points in &model.points {
-            for (node, volume) in volumes_of_points(model, points, &cells) {
-                self.add_force(node, density.map(|b| b * volume));
-            }
-        }
-        Ok(())
     }
 
-    /// ∫ N_a h_t dA of an element's nodes [m³].
-    fn volumes(&self, model: &Model, element: usize) -> Vec<f64> {
-        let coordinates = model.element_coordinates(element);
-        let shares = element::shape_integrals(model.cell(element).kind, &coordinates);
-        let thickness = model.settings.thickness;
-        shares.into_iter().map(|share| share * thickness).collect()
+    /// Adds a force along x and y at a node [N].
+    pub(super) fn add_nodal_force(&mut self, node: usize, force: [f64; 2]) {
+        self.load[2 * node] += force[0];
+        self.load[2 * node + 1] += force[1];
+    }
+}
+
+/// Whether the points' areas are those of their squares in the region, and not dx² wherever they are.
+fn has_clipped_areas(model: &Model, points: &PointRegion) -> bool {
+    match model.regions[points.region].method {
+        Method::Peridynamics(settings) => settings.lattice.cell_area == CellArea::Clipped,
+        Method::FiniteElements => false,
     }
 }
 
 /// The lattice whose points are near to a position.
 fn points_at(model: &Model, at: [f64; 2]) -> Option<&PointRegion> {
     let near = |points: &&PointRegion| {
-        let reach = super::POINT_REACH * points.micromodulus.spacing;
+        let reach = POINT_REACH * points.micromodulus.spacing;
         let mut nodes = points.nodes.clone();
         nodes.any(|node| distance(model.positions[node], at) <= reach)
     };
@@ -179,35 +213,4 @@ fn spread(
         )
     };
     weights.iter().map(on_point).collect()
-}
-
-/// Volume of some cells that each material point represents [m³].
-fn volumes_of_points(
-    model: &Model,
-    points: &PointRegion,
-    cells: &BTreeSet<usize>,
-) -> Vec<(usize, f64)> {
-    let Method::Peridynamics(settings) = model.regions[points.region].method else {
-        return Vec::new();
-    };
-    let own = model.lattice_cells(points.region);
-    let part: Vec<usize> = own.into_iter().filter(|c| cells.contains(c)).collect();
-    if part.is_empty() {
-        return Vec::new();
-    }
-    let axes = settings.lattice.axes();
-    let thickness = model.settings.thickness;
-    let positions: Vec<[f64; 2]> = points
-        .nodes
-        .clone()
-        .map(|node| axes.local(model.positions[node]))
-        .collect();
-    let part = axes.outline(&Outline::of_cells(&model.mesh, &part));
-    let anchor = axes.outline(&points.outline);
-    let areas = areas_within(&part, &anchor, &settings.lattice.along_axes(), &positions);
-    let areas = areas.into_iter().zip(points.nodes.clone());
-    areas
-        .map(|(area, node)| (node, area * thickness))
-        .filter(|(_, volume)| *volume > 0.0)
-        .collect()
 }

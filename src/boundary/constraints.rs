@@ -1,40 +1,115 @@
-//! Displacements along directions that are neither x nor y: rollers on slopes and on curves.
+//! Constraints: displacements that are prescribed on physical groups.
 //!
-//! A node on such a support gets axes of its own ([`crate::model::node_axes`]) along which one dof or both
-//! are prescribed. Where supports of different axes meet at a node, two independent directions fix it
+//! A node that is held along neither x nor y gets axes of its own ([`super::axes`]) along which one dof or
+//! both are prescribed. Where supports of different axes meet at a node, two independent directions fix it
 //! altogether, and it keeps x and y; directions that are parallel must agree.
 
-use super::{Boundary, BoundaryError, layer, nodes_of, outline_edges};
-use crate::fem::edge::{EdgeLoad, consistent_load};
+use super::axes::{Directions, PARALLEL, axes_of};
+use super::groups::nodes_of;
+use super::{Boundary, BoundaryError};
 use crate::model::Model;
 use crate::model::node_axes::direction;
 use std::collections::BTreeMap;
-
-/// The directions of the two components of a prescribed displacement.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Directions {
-    /// Along x and y turned counter-clockwise by this angle [rad].
-    Turned(f64),
-    /// Along the outward normal of the curve, and along the curve with the body on the left.
-    Curve,
-}
-
-/// Directions whose sine is less are parallel.
-const PARALLEL: f64 = 1e-9;
 
 /// Values that differ by a smaller share agree.
 const SAME: f64 = 1e-9;
 
 /// One prescribed component at a node.
-struct Held {
+struct HeldComponent {
     direction: [f64; 2],
-    /// [m].
+    /// Displacement along the direction [m].
     value: f64,
     group: String,
 }
 
 impl Boundary {
-    /// Prescribes the components that `directions` says [m] on a physical curve or point.
+    /// Prescribes the given components [m] on a physical curve or point.
+    ///
+    /// # Errors
+    /// [`BoundaryError::NothingThere`], [`BoundaryError::Conflict`].
+    pub fn displace(
+        &mut self,
+        model: &Model,
+        group: &str,
+        components: [Option<f64>; 2],
+    ) -> Result<(), BoundaryError> {
+        let nodes = nodes_of(model, group);
+        if nodes.is_empty() {
+            return Err(BoundaryError::NothingThere {
+                group: group.to_owned(),
+            });
+        }
+        for node in nodes {
+            for (axis, component) in components.into_iter().enumerate() {
+                if let Some(value) = component {
+                    let mut alone = [None; 2];
+                    alone[axis] = Some(value);
+                    self.constrain(model, group, node, [1.0, 0.0], alone)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Prescribes zero for the given components of a physical curve or point, except where
+    /// something is prescribed already.
+    ///
+    /// # Errors
+    /// [`BoundaryError::NothingThere`].
+    pub fn hold(
+        &mut self,
+        model: &Model,
+        group: &str,
+        components: [bool; 2],
+    ) -> Result<(), BoundaryError> {
+        let nodes = nodes_of(model, group);
+        if nodes.is_empty() && components != [false; 2] {
+            return Err(BoundaryError::NothingThere {
+                group: group.to_owned(),
+            });
+        }
+        for node in nodes {
+            for axis in (0..2).filter(|&axis| components[axis]) {
+                if self.node_axes.contains_key(&node) {
+                    let mut zero = [false; 2];
+                    zero[axis] = true;
+                    self.hold_turned(model, group, node, [1.0, 0.0], zero)?;
+                    continue;
+                }
+                let held = self.prescribed.entry(2 * node + axis);
+                held.or_insert_with(|| (0.0, group.to_owned()));
+            }
+        }
+        Ok(())
+    }
+
+    fn prescribe(
+        &mut self,
+        model: &Model,
+        group: &str,
+        node: usize,
+        axis: usize,
+        value: f64,
+    ) -> Result<(), BoundaryError> {
+        let entry = (value, group.to_owned());
+        match self.prescribed.insert(2 * node + axis, entry) {
+            Some((other_value, other)) if other_value != value => {
+                let [x, y] = model.positions[node];
+                Err(BoundaryError::Conflict {
+                    group: group.to_owned(),
+                    other,
+                    axis: ['x', 'y'][axis],
+                    x,
+                    y,
+                    value,
+                    other_value,
+                })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Prescribes components along `directions` [m] on a physical curve or point.
     ///
     /// # Errors
     /// [`BoundaryError::NothingThere`], [`BoundaryError::Conflict`], [`BoundaryError::Contradiction`];
@@ -55,10 +130,10 @@ impl Boundary {
         Ok(())
     }
 
-    /// Prescribes zero for those components, but where something is prescribed already.
+    /// Prescribes zero for components along `directions`, except where something is prescribed already.
     ///
     /// # Errors
-    /// As [`Boundary::displace_along`].
+    /// See [`Boundary::displace_along`].
     pub fn hold_along(
         &mut self,
         model: &Model,
@@ -75,8 +150,8 @@ impl Boundary {
         Ok(())
     }
 
-    /// The same at one node.
-    pub(super) fn hold_turned(
+    /// Prescribes zero for components along axes at one node, except along what is prescribed already.
+    fn hold_turned(
         &mut self,
         model: &Model,
         group: &str,
@@ -101,7 +176,7 @@ impl Boundary {
     }
 
     /// Prescribes components along axes at one node.
-    pub(super) fn constrain(
+    fn constrain(
         &mut self,
         model: &Model,
         group: &str,
@@ -126,7 +201,7 @@ impl Boundary {
         }
         for (axis, value) in components.into_iter().enumerate() {
             if let Some(value) = value {
-                held.push(Held {
+                held.push(HeldComponent {
                     direction: direction(&BTreeMap::from([(0, axes)]), axis),
                     value,
                     group: group.to_owned(),
@@ -136,11 +211,11 @@ impl Boundary {
         self.merge(model, node, &held)
     }
 
-    fn held_at(&self, node: usize) -> Vec<Held> {
+    fn held_at(&self, node: usize) -> Vec<HeldComponent> {
         let dofs = [2 * node, 2 * node + 1].into_iter();
         dofs.filter_map(|dof| {
             let (value, group) = self.prescribed.get(&dof)?;
-            Some(Held {
+            Some(HeldComponent {
                 direction: direction(&self.node_axes, dof),
                 value: *value,
                 group: group.clone(),
@@ -149,14 +224,19 @@ impl Boundary {
         .collect()
     }
 
-    /// Combines several supports with different axes at one node.
-    fn merge(&mut self, model: &Model, node: usize, held: &[Held]) -> Result<(), BoundaryError> {
+    /// Combines the supports of one node that have different axes.
+    fn merge(
+        &mut self,
+        model: &Model,
+        node: usize,
+        held: &[HeldComponent],
+    ) -> Result<(), BoundaryError> {
         let first = &held[0];
         let other = held
             .iter()
             .find(|h| cross(first.direction, h.direction).abs() >= PARALLEL);
         let scale = held.iter().map(|h| h.value.abs()).fold(0.0, f64::max);
-        let contradiction = |h: &Held| {
+        let contradiction = |h: &HeldComponent| {
             let [x, y] = model.positions[node];
             BoundaryError::Contradiction {
                 group: h.group.clone(),
@@ -167,7 +247,7 @@ impl Boundary {
         };
         let Some(other) = other else {
             // All are parallel, and the first stands.
-            let differs = |h: &&Held| {
+            let differs = |h: &&HeldComponent| {
                 let same = dot(first.direction, h.direction).signum();
                 (same * h.value - first.value).abs() > SAME * scale
             };
@@ -182,7 +262,7 @@ impl Boundary {
             (d * first.value - b * other.value) / determinant,
             (a * other.value - c * first.value) / determinant,
         ];
-        let differs = |h: &&Held| (dot(h.direction, u) - h.value).abs() > SAME * scale;
+        let differs = |h: &&HeldComponent| (dot(h.direction, u) - h.value).abs() > SAME * scale;
         if let Some(h) = held.iter().find(differs) {
             return Err(contradiction(h));
         }
@@ -202,66 +282,4 @@ fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
-}
-
-/// The nodes of a group, ascending, and their axes.
-fn axes_of(
-    model: &Model,
-    group: &str,
-    directions: Directions,
-) -> Result<BTreeMap<usize, [f64; 2]>, BoundaryError> {
-    let nodes = nodes_of(model, group);
-    if nodes.is_empty() {
-        return Err(BoundaryError::NothingThere {
-            group: group.to_owned(),
-        });
-    }
-    if let Directions::Turned(angle) = directions {
-        let axes = [angle.cos(), angle.sin()];
-        return Ok(nodes.into_iter().map(|node| (node, axes)).collect());
-    }
-    let no_normal = || BoundaryError::NoNormal {
-        group: group.to_owned(),
-    };
-    let curve = model.mesh.curves.get(group).ok_or_else(no_normal)?;
-    let (mut on_elements, on_points) = outline_edges(model, curve);
-    // A node of finite elements has the mean normal of the edges beside it, ∫ N n ds.
-    on_elements.extend(on_points.iter().flat_map(|(_, edges)| edges).copied());
-    if on_elements.is_empty() {
-        on_elements.extend(curve);
-    }
-    let mut normals: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
-    for edge in &on_elements {
-        let push = EdgeLoad::Pressure(-1.0);
-        for (mesh_node, normal) in consistent_load(edge, &model.mesh.nodes, push, 1.0) {
-            if let Some(node) = model.node_of[mesh_node] {
-                let sum = normals.entry(node as usize).or_default();
-                (0..2).for_each(|axis| sum[axis] += normal[axis]);
-            }
-        }
-    }
-    for (points, edges) in &on_points {
-        let layer = layer(model, points, edges).into_iter();
-        normals.extend(layer.map(|point| (point.node, point.normal)));
-    }
-    let mut axes = BTreeMap::new();
-    for node in nodes {
-        let [x, y] = normals.get(&node).copied().unwrap_or_default();
-        let size = x.hypot(y);
-        if size == 0.0 {
-            return Err(no_normal());
-        }
-        axes.insert(node, snapped([x / size, y / size]));
-    }
-    Ok(axes)
-}
-
-/// A normal along x or y but for rounding is along it.
-fn snapped(normal: [f64; 2]) -> [f64; 2] {
-    let is_zero = normal.map(|n| n.abs() < PARALLEL);
-    match is_zero {
-        [true, _] => [0.0, normal[1].signum()],
-        [_, true] => [normal[0].signum(), 0.0],
-        _ => normal,
-    }
 }

@@ -1,11 +1,12 @@
-//! A traction on a layer of material points: each point takes what acts on the part of the curve to which
-//! it is the nearest. So the resultant is exact, that of a pressure in a hole is zero, and on a straight side
+//! A traction on a layer of material points: each point takes the load on the part of the curve to which it
+//! is the nearest. So the resultant is exact, that of a pressure in a hole is zero, and on a straight side
 //! along the lattice all points have the same load.
 //!
-//! Along a chord x = a + s t, |x − p_i|² differs from point to point by c_i − 2 s m_i, linear in s; who is the
-//! nearest is the lower envelope of these lines.
+//! Along a chord x = a + s t, |x − p_i|² differs from point to point by c_i − 2 s m_i, linear in s; the
+//! nearest point is found from the lower envelope of these lines.
 
-use super::{Boundary, LAYER_REACH, Segment, right_of, short_segments};
+use super::Boundary;
+use super::layer::{LAYER_REACH, Segment, right_of, short_segments};
 use crate::fem::edge::EdgeLoad;
 use crate::geometry::nearest_on_segment;
 use crate::mesh::Edge;
@@ -32,8 +33,8 @@ impl Line {
 }
 
 impl Boundary {
-    /// A load on the points beside the edges of a peridynamic region; whether there are any.
-    pub(super) fn press_arc(
+    /// Adds a load on the points beside the edges of a peridynamic region. Returns whether there are any.
+    pub(super) fn add_nearest_traction(
         &mut self,
         model: &Model,
         points: &PointRegion,
@@ -65,14 +66,14 @@ impl Boundary {
             }
             for (point, part) in shares(&lines, length, TIE * spacing * spacing) {
                 *taken.entry(point).or_insert(0.0) += part;
-                self.add_force(points.nodes.start + point as usize, force(part));
+                self.add_nodal_force(points.nodes.start + point as usize, force(part));
             }
         }
         // What acts on a spike without a point near it goes to all the others.
         let total: f64 = taken.values().sum();
         for (&point, part) in &taken {
             let node = points.nodes.start + point as usize;
-            self.add_force(node, lost.map(|f| f * part / total));
+            self.add_nodal_force(node, lost.map(|f| f * part / total));
         }
         !taken.is_empty()
     }
@@ -92,7 +93,8 @@ fn line([a, b]: Segment, point: u32, x: [f64; 2]) -> Line {
     }
 }
 
-/// Share of 0 ≤ s ≤ `length` to which each point is the nearest; points that are equally near share it.
+/// The length of 0 ≤ s ≤ `length` to which each point is the nearest [m]; points that are equally near
+/// share it.
 fn shares(lines: &[Line], length: f64, tie: f64) -> Vec<(u32, f64)> {
     let mut parts = Vec::new();
     let mut from = 0.0;

@@ -12,11 +12,19 @@ use peristitch::coupling::truss::NodeArea;
 use peristitch::fem::edge::EdgeLoad;
 use peristitch::material::{Material, PlaneState};
 use peristitch::mesh::CellKind;
-use peristitch::model::{Method, Model, ModelSettings};
+use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings};
 use peristitch::peridynamics::lattice::Placement;
 use peristitch::phases::Phases;
 use peristitch::statics::{self, StaticsError};
 use workplace::{PIPELINE, PLATE, Workplace};
+
+/// Points of the paper, isotropised, since the clip takes no others.
+fn lattice(spacing: f64) -> PeridynamicSettings {
+    PeridynamicSettings {
+        isotropised: true,
+        ..paper_lattice(spacing, Placement::CellCentred)
+    }
+}
 
 /// The cantilever `length` × `length`/2, half elements and half points, under a traction of a millionth of E:
 /// u over its length, and the reactions over E times the sides.
@@ -35,7 +43,7 @@ fn scaled(length: f64, young: f64, thickness: f64, coupling: Coupling) -> [Vec<f
         young,
         poisson: 1.0 / 3.0,
     };
-    let lattice = Method::Peridynamics(paper_lattice(length / 20.0, Placement::CellCentred));
+    let lattice = Method::Peridynamics(lattice(length / 20.0));
     let regions = vec![
         region(&mesh, &["elements"], material, Method::FiniteElements),
         region(&mesh, &["points"], material, lattice),
@@ -121,7 +129,7 @@ fn points_may_be_ten_thousand_times_smaller_than_elements() {
         name_curve(&mut mesh, "left", |x| x[0] < 1e-9);
         name_curve(&mut mesh, "bottom", |x| x[1] < 1e-9 && x[0] < 1.0 + 1e-9);
         name_curve(&mut mesh, "load", |x| x[0] > 1.0 + 7.9e-4);
-        let lattice = Method::Peridynamics(paper_lattice(1e-4, Placement::CellCentred));
+        let lattice = Method::Peridynamics(lattice(1e-4));
         let regions = vec![
             region(&mesh, &["elements"], steel(), Method::FiniteElements),
             region(&mesh, &["points"], steel(), lattice),

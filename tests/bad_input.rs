@@ -522,7 +522,7 @@ fn values_from_the_command_line() {
         "regions.1.horizn=3",
     ];
     let blamed = [
-        "`horizn` (by `--set regions.1.horizn=3`)",
+        "`horizn` in `regions.1` (by `--set regions.1.horizn=3`)",
         "did you mean `horizon`?",
     ];
     place.assert_refused(&both, 2, &blamed);

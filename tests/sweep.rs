@@ -142,7 +142,7 @@ fn a_study_that_is_wrong_runs_nothing() {
     wrong("sweep: { over: {} }\n", &["nothing is varied", "bar.yaml:"]);
     wrong(
         "sweep: { over: { regions.1.horizon: 3 } }\n",
-        &["must be a list of values, or a range"],
+        &["must be a list or a group with the keys `from`, `to`, `count`"],
     );
     wrong(
         "sweep: { over: { regions.1.horizon: [] } }\n",

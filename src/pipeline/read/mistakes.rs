@@ -123,9 +123,7 @@ impl Checker<'_> {
                 }
             }
         }
-        let required = form.get("required").and_then(Schema::as_array);
-        let mut required = required.into_iter().flatten().filter_map(Schema::as_str);
-        let Some(missing) = required.find(|name| !map.contains_key(*name)) else {
+        let Some(missing) = required(form).find(|name| !map.contains_key(*name)) else {
             return Ok(());
         };
         let message = format!("the key `{missing}` is missing{within}");
@@ -232,10 +230,19 @@ fn described(form: &Schema) -> String {
         ["boolean"] => "`true` or `false`",
         ["array"] if form.get("maxItems").is_some() => "two, such as `[1 m, 0]`",
         ["array"] => "a list",
-        ["object"] => "a group of keys, such as `{ key: value }`",
+        ["object"] => match required(form).collect::<Vec<&str>>().as_slice() {
+            [] => "a group of keys, such as `{ key: value }`",
+            keys => return format!("a group with the keys {}", quoted(keys)),
+        },
         _ => "another value",
     };
     text.to_owned()
+}
+
+/// The keys that a map must have.
+fn required(form: &Schema) -> impl Iterator<Item = &str> {
+    let list = form.get("required").and_then(Schema::as_array);
+    list.into_iter().flatten().filter_map(Schema::as_str)
 }
 
 fn subject(key: &str) -> String {
@@ -276,4 +283,82 @@ fn example(key: &str) -> Option<&'static str> {
         "component" => "component: x",
         _ => return None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    const SOUND: &str = "
+name: plate
+geometry: { file: plate.geo }
+materials: { rock: { young: 30 GPa, poisson: 1/3 } }
+regions: [ { group: a, model: fem, material: rock } ]
+boundary: []
+plane: stress
+output: { every: 2 }
+probes: { tip: { at: [0, 0], component: x } }
+";
+
+    fn message(text: &str) -> Option<String> {
+        let source = Source::new(Path::new("plate.yaml"), text.to_owned(), Vec::new());
+        let document = serde_yaml::from_str(text).expect("YAML");
+        let error = check(&source, &document, Strictness::AsText).err()?;
+        Some(error.message)
+    }
+
+    #[test]
+    fn mistakes_are_told_with_their_key() {
+        assert_eq!(message(SOUND), None);
+        let cases = [
+            (
+                "model: fem",
+                "model: fem, kernal: quartic",
+                "unknown key `kernal` in `regions.0`",
+            ),
+            ("plane: stress", "plane: stres", "`plane` cannot be `stres`"),
+            (
+                "young: 30 GPa, ",
+                "",
+                "the key `young` is missing in `materials.rock`",
+            ),
+            (
+                "every: 2",
+                "every: -2",
+                "`output.every` is `-2`, but must be a whole number",
+            ),
+            (
+                "[0, 0]",
+                "[0]",
+                "`probes.tip.at` has 1 values, but must be two, such as `[1 m, 0]`",
+            ),
+            (
+                "boundary: []",
+                "boundary: 3",
+                "`boundary` is `3`, but must be a list",
+            ),
+            (
+                "{ file: plate.geo }",
+                "5",
+                "`geometry` is `5`, but must be a group with the keys `file`",
+            ),
+            (
+                "30 GPa",
+                "",
+                "`materials.rock.young` is empty, but must be a number or a quantity such as `30 GPa`",
+            ),
+        ];
+        for (old, new, told) in cases {
+            assert!(SOUND.contains(old), "{old}");
+            assert_eq!(message(&SOUND.replace(old, new)).as_deref(), Some(told));
+        }
+    }
+
+    #[test]
+    fn numbers_are_names_and_nothing_is_an_empty_list_in_a_text() {
+        for (old, new) in [("name: plate", "name: 5"), ("boundary: []", "boundary:")] {
+            assert_eq!(message(&SOUND.replace(old, new)), None, "{new}");
+        }
+    }
 }

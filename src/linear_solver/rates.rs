@@ -3,7 +3,7 @@
 //! All were measured on two cores with AVX-512 and 24 GB, and are a rough guide elsewhere. The rates of
 //! [`super::amalgamation`] decide which supernodes are merged: the last bits of results change with them.
 
-// Of one thread, `cargo bench --bench solvers`; they decide which supernodes are merged.
+// Measured on one thread; `cargo bench --bench solvers` shows the factorisations and solutions that they lead to.
 
 /// Multiplications and additions per second in a product of large blocks.
 pub const BLOCK_RATE: f64 = 5e10;

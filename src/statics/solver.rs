@@ -83,28 +83,10 @@ impl<'a> Solver<'a> {
         self.finish(&system, &system.case(self.boundary), &*factor, None, phases)
     }
 
-    /// Solves for a body in which bonds break, under each of `cases`, which prescribe displacements on the same
-    /// dofs. A chunk may hang on a hinge: K is positive semidefinite, so that a pivot vanishes where such a
-    /// mechanism begins, and to hold that dof holds the chunk, without force if no load acts along the mechanism:
-    /// the residual of the free system confirms it. `mechanisms` collects these dofs; since bonds never heal,
-    /// they stay.
-    ///
-    /// # Errors
-    /// See [`StaticsError`]; [`StaticsError::Swings`] where a load acts along a mechanism.
-    pub fn solve_broken(
-        &self,
-        cases: &[&Boundary],
-        integrity: &[f64],
-        pinned: &[Vec<usize>],
-        mechanisms: &mut BTreeSet<usize>,
-        phases: &mut Phases,
-    ) -> Result<Vec<Solution>, StaticsError> {
-        let factorised = self.factorise_broken(integrity, pinned, mechanisms, phases)?;
-        let solve = |case: &&Boundary| self.solve_with(&factorised, case, None, mechanisms, phases);
-        cases.iter().map(solve).collect()
-    }
-
-    /// Factorises K for [`Solver::solve_with`], and holds mechanisms as [`Solver::solve_broken`] does.
+    /// Factorises K of a body in which bonds break, for [`Solver::solve_with`]. A chunk may hang on a hinge: K is
+    /// positive semidefinite, so that a pivot vanishes where such a mechanism begins, and to hold that dof holds
+    /// the chunk, without force if no load acts along the mechanism: the residual of the free system confirms it.
+    /// `mechanisms` collects these dofs; since bonds never heal, they stay.
     ///
     /// # Errors
     /// See [`StaticsError`].

@@ -12,16 +12,16 @@ use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// How many of the log's last lines are kept.
+/// Number of the log's last lines that are kept.
 const LOG_LINES: usize = 20;
-/// How much of the log's end is read to find them [bytes].
+/// Length of the log's end that is read to find them [bytes].
 const LOG_TAIL: u64 = 64 * 1024;
 /// A log longer than this is a loop that writes [bytes].
 pub const LONGEST_LOG: u64 = 64_000_000;
-/// How often the process is looked at.
+/// Interval at which the process is polled.
 const POLL: Duration = Duration::from_millis(5);
 
-/// How a process ended.
+/// The end of a process.
 pub enum End {
     Exit(ExitStatus),
     TimeLimit,
@@ -29,7 +29,7 @@ pub enum End {
     Flood,
 }
 
-/// It could not be run.
+/// The process could not be run.
 #[derive(Debug)]
 pub struct ChildError {
     pub action: &'static str,

@@ -3,8 +3,12 @@
 //! A mesh knows nothing of mechanics. Node order within a cell follows Gmsh, Abaqus and VTK alike:
 //! corners counter-clockwise, then mid-sides 12, 23, 34, 41 (Qian et al. 2021, fig. 3).
 
+mod chords;
+pub mod conformity;
+pub mod contact;
 pub mod grid;
 pub mod patchwork;
+pub mod selection;
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -106,6 +110,8 @@ pub struct Mesh {
     /// Node positions \[m\].
     pub nodes: Vec<[f64; 2]>,
     pub cells: Vec<Cell>,
+    /// Numbers of the cells in the file that they come from; empty for a mesh made in code.
+    pub cell_numbers: Vec<i64>,
     /// Physical surfaces: indices into `cells`, ascending.
     pub surfaces: BTreeMap<String, Vec<usize>>,
     /// Physical curves: their edges, in the mesher's order.

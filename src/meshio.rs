@@ -9,7 +9,8 @@
 //!
 //! - [`python`]: which Python has meshio.
 //! - [`container`]: what the child writes, checked when read.
-//! - [`convert`]: the order of nodes, checked by the Jacobian; groups.
+//! - [`convert`]: which elements count; `node_order`: the order of their nodes, checked by the Jacobian.
+//! - `groups`: sets become groups.
 //! - [`curves`]: which edges a node set traces.
 
 use std::path::{Path, PathBuf};
@@ -25,24 +26,30 @@ use crate::gmsh::Extract;
 pub mod container;
 pub mod convert;
 pub mod curves;
+mod groups;
+mod node_order;
 pub mod python;
 
 pub use convert::ConvertError;
 
-/// The child's program, and the reader of `.inp` that it imports.
+/// The child's program.
 const IMPORT: (&str, &str) = ("import_mesh.py", include_str!("meshio/import_mesh.py"));
+/// The readers that it imports, of `.inp` and of `.bdf`.
 const ABAQUS: (&str, &str) = ("abaqus.py", include_str!("meshio/abaqus.py"));
+const NASTRAN: (&str, &str) = ("nastran.py", include_str!("meshio/nastran.py"));
 
 /// Extensions of the files that are read: Abaqus, Nastran, MED, VTK.
 pub const MESHES: [&str; 7] = ["inp", "bdf", "nas", "fem", "med", "vtu", "vtk"];
 
-/// How meshio is run.
+/// Settings for running meshio.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Time after which the child is killed.
     pub time_limit: Duration,
     /// The most memory that it may take, at most what the machine has [bytes].
     pub memory_limit: u64,
+    /// Make all plane elements one group, [`WHOLE`](crate::gmsh::WHOLE), if no set holds any.
+    pub whole: bool,
 }
 
 impl Default for Options {
@@ -50,6 +57,7 @@ impl Default for Options {
         Options {
             time_limit: Duration::from_secs(600),
             memory_limit: 16 << 30,
+            whole: false,
         }
     }
 }
@@ -109,7 +117,7 @@ pub enum MeshioError {
     },
 }
 
-/// Whether a file is read by meshio, by its extension.
+/// Returns whether meshio reads a file, by its extension.
 pub fn reads(file: &Path) -> bool {
     let extension = file.extension().and_then(|extension| extension.to_str());
     let extension = extension.map(str::to_ascii_lowercase);
@@ -132,7 +140,7 @@ pub fn files(file: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// What an `.inp` names in `*INCLUDE, INPUT=…`, as far as it is there.
+/// The existing files that an `.inp` names in `*INCLUDE, INPUT=…`.
 fn included_files(file: &Path) -> Vec<PathBuf> {
     if file
         .extension()
@@ -170,7 +178,7 @@ pub fn mesh(file: &Path, options: &Options) -> Result<Extract, MeshioError> {
         tried,
     })?;
     let folder = tempfile::tempdir().map_err(child_error("create a temporary folder"))?;
-    for (name, text) in [IMPORT, ABAQUS] {
+    for (name, text) in [IMPORT, ABAQUS, NASTRAN] {
         let written = std::fs::write(folder.path().join(name), text);
         written.map_err(child_error("write its program"))?;
     }
@@ -249,7 +257,8 @@ fn conclude(
             });
         }
     };
-    convert::extract(&container).map_err(|source| MeshioError::Convert { file, source })
+    convert::extract(&container, options.whole)
+        .map_err(|source| MeshioError::Convert { file, source })
 }
 
 fn child_error(action: &'static str) -> impl Fn(std::io::Error) -> MeshioError {

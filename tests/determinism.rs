@@ -184,7 +184,7 @@ fn renumbered(mesh: &Mesh) -> Mesh {
         curves: curves
             .map(|(name, edges)| (name.clone(), edges.iter().rev().map(edge).collect()))
             .collect(),
-        points: Default::default(),
+        ..Mesh::default()
     }
 }
 

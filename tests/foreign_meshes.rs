@@ -413,15 +413,20 @@ fn what_has_no_place_in_a_plane_computation_is_named() {
 }
 
 #[test]
-fn nodes_in_one_place_are_told() {
+fn elements_that_stand_twice_count_once() {
     let place = Workplace::new();
-    let text = "*NODE\n1,0,0\n2,1,0\n3,1,1\n4,0,1\n12,1,0\n5,2,0\n6,2,1\n13,1,1\n*ELEMENT,TYPE=CPS4,ELSET=all\n\
-                1,1,2,3,4\n2,12,5,6,13\n";
+    let text = "*NODE\n1,0,0\n2,1,0\n3,1,1\n4,0,1\n5,2,0\n6,2,1\n*ELEMENT,TYPE=CPS4,ELSET=all\n\
+                1,1,2,3,4\n2,2,5,6,3\n*ELEMENT,TYPE=CPS4,ELSET=again\n7,2,3,4,1\n*NSET,NSET=base\n1,2,5\n";
     place.write("twice.inp", text);
-    let notes = read(&place, "twice.inp").expect("a mesh").warnings;
-    let expected =
-        "2 nodes lie where another one does, such as 12 at 2: the elements there are not joined";
-    assert_eq!(notes, [expected]);
+    let extract = read(&place, "twice.inp").expect("a mesh");
+    let note =
+        "1 elements have the nodes of another one and were left out; their sets hold that one";
+    assert_eq!(extract.warnings, [note]);
+    let mesh = extract.to_mesh(1.0).expect("sound");
+    assert_eq!(mesh.cells.len(), 2);
+    assert_eq!(mesh.surfaces["again"], [0]);
+    assert_eq!(mesh.cell_numbers, [1, 2]);
+    assert_eq!(mesh.curves["base"].len(), 2);
 }
 
 /// The eight nodes of a quad run around the element, or clockwise, or in both ways in one file.
@@ -479,11 +484,24 @@ fn nastran_names_what_meshio_passes_over() {
         ("CQUADX8,1,7,1,2,3,4\n", "axisymmetric"),
         (
             "CQUADZ,1,7,1,2,3,4\n",
-            "plane elements that meshio does not know: 1 CQUADZ",
+            "line 6: CQUADZ: this kind of plane elements is not read",
         ),
-        ("INCLUDE 'b.bdf'\n", "meshio does not follow it"),
-        ("CORD2R,1\n", "a coordinate system (CORD2R)"),
-        ("CQUAD4,1,7,1,2,3,9\n", "meshio cannot read"),
+        (
+            "INCLUDE 'b.bdf'\n",
+            "line 6: INCLUDE: other files are not read along",
+        ),
+        (
+            "CORD2R,1\nGRID,9,1,0.,0.,0.\n",
+            "line 7: GRID: the grid point is given in a coordinate system of its own",
+        ),
+        (
+            "CQUAD4,1,7,1,2,3,9\n",
+            "line 6: CQUAD4: element 1 uses grid point 9, which is not defined",
+        ),
+        (
+            "CQUAD4,1,7,1,2,x,4\n",
+            "line 6: CQUAD4: `x` in field 6 is no number of a grid point",
+        ),
     ] {
         let error = refusal(&place, "bad.bdf", &deck(cards));
         assert!(error.contains(message), "{message}: {error}");

@@ -45,6 +45,7 @@ fn options(library: &Path) -> Options {
         time_limit: Duration::from_secs(60),
         // Some of the scripts here crash on purpose, or save what they mesh.
         trust: true,
+        ..Options::default()
     }
 }
 

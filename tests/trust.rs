@@ -53,8 +53,8 @@ fn a_geometry_that_runs_or_writes_is_refused_with_its_line() {
         ("\nOnelabRun(\"x\", \"touch CANARY\");\n", "OnelabRun runs"),
         ("\nField[9] = ExternalProcess;\n", "ExternalProcess runs"),
         (
-            "\nIf (1) /* why */ Save \"CANARY\"; EndIf\n",
-            "Save writes a file",
+            "\nIf (1) /* why */ Save View[0] \"CANARY\"; EndIf\n",
+            "Save View writes a file",
         ),
         (
             "\nPrint StrCat(\"CANARY\", \".png\");\n",
@@ -71,6 +71,28 @@ fn a_geometry_that_runs_or_writes_is_refused_with_its_line() {
     ] {
         assert_refused(&with_lines(script), &[&line, what, "may only draw"]);
     }
+}
+
+#[test]
+fn a_save_is_passed_over_with_a_note_and_writes_nothing() {
+    let place = with_lines("\nMesh 2;\nSave \"CANARY.msh\";\nSave StrCat(\"CANARY\", \".vtk\");\n");
+    let ended = place.call(&["run", "bar.yaml", "--until", "mesh"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let notes = ended.err.matches("`Save` is passed over").count();
+    assert_eq!(notes, 2, "{}", ended.err);
+    for name in [
+        "CANARY.msh",
+        "CANARY.vtk",
+        "geo/CANARY.msh",
+        "geo/CANARY.vtk",
+    ] {
+        assert!(!place.path(name).exists(), "{name}");
+    }
+    // Other errors are not passed over.
+    let place = with_lines("\nSave \"CANARY.msh\";\nMerge \"nowhere.msh\";\n");
+    let ended = place.call(&["run", "bar.yaml"]);
+    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    assert!(ended.err.contains("nowhere.msh"), "{}", ended.err);
 }
 
 #[test]

@@ -1,10 +1,11 @@
-//! `peristitch check`, `status` and `explain`: they look, and write nothing.
+//! `peristitch check`, which keeps the mesh that it makes; `status` and `explain`, which write nothing.
 
+use super::progress::Warnings;
 use crate::phases::machine_memory;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::Plan;
 use crate::pipeline::stages::parameters::parameter_lines;
-use crate::pipeline::stages::run::{Options, discretised};
+use crate::pipeline::stages::run::{self, Options};
 use crate::pipeline::stages::standing::{Standing, standings};
 use crate::statics::{Backend, Estimate};
 use std::time::Duration;
@@ -27,7 +28,8 @@ pub(super) fn list(plan: &Plan, reasons_too: bool) -> Result<(), RunError> {
 
 /// Whether the pipeline is sound, its sizes, and what a run will take.
 pub(super) fn check(plan: &Plan, backend: Option<Backend>) -> Result<(), RunError> {
-    let (model, boundary, extract) = discretised(plan, &Options::default())?;
+    let mut warnings = Warnings::new(&plan.name);
+    let (model, boundary, extract) = run::check(plan, &Options::default(), &mut warnings)?;
     let estimate = Estimate::new(&model, &boundary, backend, plan.loading.is_some())?;
     estimate.fits(machine_memory())?;
     println!("{}: sound", plan.name);

@@ -68,6 +68,30 @@ impl Observer for Progress {
     }
 }
 
+/// The warnings of a run and nothing else, on standard error.
+pub(super) struct Warnings {
+    name: String,
+}
+
+impl Warnings {
+    pub(super) fn new(name: &str) -> Warnings {
+        Warnings {
+            name: name.to_owned(),
+        }
+    }
+}
+
+impl Observer for Warnings {
+    fn starts(&mut self, _: Stage) {}
+    fn ends(&mut self, _: Stage, _: &str, _: Duration) {}
+    fn step(&mut self, _: &Step) {}
+    fn is_fresh(&mut self, _: Stage) {}
+
+    fn warns(&mut self, text: &str) {
+        eprintln!("{}: warning: {text}", self.name);
+    }
+}
+
 /// A line of JSON per event on standard output: `run --json`.
 pub(super) struct JsonLines {
     pipeline: String,

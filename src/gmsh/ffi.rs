@@ -8,140 +8,20 @@
 //! all that Gmsh allocates goes back to `gmshFree`.
 #![allow(unsafe_code)]
 
-use std::ffi::{CStr, CString, NulError, c_char, c_int, c_void};
+use std::ffi::{CStr, CString, c_char, c_int};
 use std::marker::PhantomData;
 use std::mem::ManuallyDrop;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::ptr;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use libloading::Library;
-use thiserror::Error;
 
-type Status = *mut c_int;
+use super::ffi_types::{ElementBlock, ElementProperties, FfiError};
+use functions::{Functions, Initialize, Status, Variables};
 
-/// Declares the table of C functions and how it is filled from the shared library.
-macro_rules! c_functions {
-    ($($name:ident = $symbol:literal ($($argument:ty),*);)*) => {
-        struct Functions { $($name: unsafe extern "C" fn($($argument),*),)* }
-
-        impl Functions {
-            /// # Safety
-            /// The signatures below must be those of the library.
-            unsafe fn load(library: &Library) -> Result<Functions, libloading::Error> {
-                Ok(Functions {
-                    $($name: *unsafe { library.get(concat!($symbol, "\0").as_bytes()) }?,)*
-                })
-            }
-        }
-    };
-}
-
-c_functions! {
-    free = "gmshFree" (*mut c_void);
-    finalize = "gmshFinalize" (Status);
-    open = "gmshOpen" (*const c_char, Status);
-    set_number = "gmshOptionSetNumber" (*const c_char, f64, Status);
-    get_string = "gmshOptionGetString" (*const c_char, *mut *mut c_char, Status);
-    generate = "gmshModelMeshGenerate" (c_int, Status);
-    entities = "gmshModelGetEntities" (*mut *mut c_int, *mut usize, c_int, Status);
-    groups = "gmshModelGetPhysicalGroups" (*mut *mut c_int, *mut usize, c_int, Status);
-    group_name = "gmshModelGetPhysicalName" (c_int, c_int, *mut *mut c_char, Status);
-    group_entities = "gmshModelGetEntitiesForPhysicalGroup"
-        (c_int, c_int, *mut *mut c_int, *mut usize, Status);
-    nodes = "gmshModelMeshGetNodes"
-        (*mut *mut usize, *mut usize, *mut *mut f64, *mut usize, *mut *mut f64, *mut usize,
-         c_int, c_int, c_int, c_int, Status);
-    elements = "gmshModelMeshGetElements"
-        (*mut *mut c_int, *mut usize, *mut *mut *mut usize, *mut *mut usize, *mut usize,
-         *mut *mut *mut usize, *mut *mut usize, *mut usize, c_int, c_int, Status);
-    element_properties = "gmshModelMeshGetElementProperties"
-        (c_int, *mut *mut c_char, *mut c_int, *mut c_int, *mut c_int, *mut *mut f64, *mut usize,
-         *mut c_int, Status);
-    logger_start = "gmshLoggerStart" (Status);
-    logger_get = "gmshLoggerGet" (*mut *mut *mut c_char, *mut usize, Status);
-    last_error = "gmshLoggerGetLastError" (*mut *mut c_char, Status);
-}
-
-type InitializeFour = unsafe extern "C" fn(c_int, *mut *mut c_char, c_int, Status);
-type InitializeFive = unsafe extern "C" fn(c_int, *mut *mut c_char, c_int, c_int, Status);
-
-enum Initialize {
-    /// Without the argument `run`: before the symbol `gmshIsInitialized`.
-    Four(InitializeFour),
-    Five(InitializeFive),
-}
-
-impl Initialize {
-    /// # Safety
-    /// `library` must be Gmsh.
-    unsafe fn load(library: &Library) -> Result<Initialize, libloading::Error> {
-        let five = unsafe { library.get::<unsafe extern "C" fn(Status)>(b"gmshIsInitialized\0") };
-        let symbol = b"gmshInitialize\0";
-        Ok(match five {
-            Ok(_) => Initialize::Five(*unsafe { library.get(symbol) }?),
-            Err(_) => Initialize::Four(*unsafe { library.get(symbol) }?),
-        })
-    }
-}
-
-type GetNumbers = unsafe extern "C" fn(*const c_char, *mut *mut f64, *mut usize, Status);
-type GetTexts = unsafe extern "C" fn(*const c_char, *mut *mut *mut c_char, *mut usize, Status);
-
-/// Access to the variables of a script, which Gmsh 4.8 does not give.
-struct Variables {
-    numbers: GetNumbers,
-    texts: GetTexts,
-}
-
-impl Variables {
-    /// # Safety
-    /// `library` must be Gmsh.
-    unsafe fn load(library: &Library) -> Option<Variables> {
-        Some(Variables {
-            numbers: *unsafe { library.get(b"gmshParserGetNumber\0") }.ok()?,
-            texts: *unsafe { library.get(b"gmshParserGetString\0") }.ok()?,
-        })
-    }
-}
-
-/// Why Gmsh could not be started or a call failed.
-#[derive(Debug, Error)]
-pub enum FfiError {
-    #[error("{library}: {reason}", library = library.display())]
-    Load { library: PathBuf, reason: String },
-    #[error("a Gmsh session is open in this process already")]
-    SessionOpen,
-    #[error("Gmsh's {function} returned {code}: {message}")]
-    Call {
-        function: &'static str,
-        code: i32,
-        message: String,
-    },
-    #[error("an element uses node {node}, which Gmsh does not list")]
-    NodeMissing { node: usize },
-    #[error("a text for Gmsh holds a NUL character")]
-    Nul(#[from] NulError),
-}
-
-/// The elements of one Gmsh type within one geometrical entity.
-#[derive(Debug)]
-pub struct ElementBlock {
-    /// Gmsh's number of the element type.
-    pub kind: i32,
-    pub tags: Vec<usize>,
-    /// Node tags, element after element.
-    pub nodes: Vec<usize>,
-}
-
-/// What Gmsh says of an element type.
-#[derive(Debug)]
-pub struct ElementProperties {
-    /// Such as "Quadrilateral 8".
-    pub name: String,
-    pub order: usize,
-    pub node_count: usize,
-}
+mod copies;
+mod functions;
 
 /// Gmsh, initialised. Dropping the guard finalises it.
 pub struct Session {
@@ -221,12 +101,12 @@ impl Session {
     }
 
     pub fn version(&self) -> Result<String, FfiError> {
-        let mut text = ptr::null_mut();
-        // SAFETY: Gmsh stores an allocated C string in `text`, which take_string frees.
-        self.call("gmshOptionGetString", |status| unsafe {
-            (self.functions.get_string)(c"General.Version".as_ptr(), &mut text, status)
-        })?;
-        Ok(unsafe { self.take_string(text) })
+        // SAFETY: Gmsh stores a C string that it has allocated.
+        unsafe {
+            self.text("gmshOptionGetString", |text, status| {
+                (self.functions.get_string)(c"General.Version".as_ptr(), text, status)
+            })
+        }
     }
 
     pub fn generate(&self, dimension: i32) -> Result<(), FfiError> {
@@ -236,45 +116,49 @@ impl Session {
         })
     }
 
-    /// The number of geometrical entities of a dimension.
-    pub fn entity_count(&self, dimension: i32) -> Result<usize, FfiError> {
-        let (mut pairs, mut length) = (ptr::null_mut(), 0);
-        // SAFETY: Gmsh stores an allocated array and its length, which take_array frees.
-        self.call("gmshModelGetEntities", |status| unsafe {
-            (self.functions.entities)(&mut pairs, &mut length, dimension, status)
-        })?;
-        Ok(unsafe { self.take_array(pairs, length) }.len() / 2)
+    /// Tags of the geometrical entities of a dimension.
+    pub fn entities(&self, dimension: i32) -> Result<Vec<i32>, FfiError> {
+        // SAFETY: Gmsh stores an array that it has allocated, and its length.
+        let pairs = unsafe {
+            self.array("gmshModelGetEntities", |pairs, length, status| {
+                (self.functions.entities)(pairs, length, dimension, status)
+            })
+        }?;
+        Ok(pairs.chunks_exact(2).map(|pair| pair[1]).collect())
     }
 
     /// Dimension and tag of every physical group.
     pub fn groups(&self) -> Result<Vec<(i32, i32)>, FfiError> {
-        let (mut pairs, mut length) = (ptr::null_mut(), 0);
-        // SAFETY: as in entity_count.
-        self.call("gmshModelGetPhysicalGroups", |status| unsafe {
-            (self.functions.groups)(&mut pairs, &mut length, -1, status)
-        })?;
-        let pairs = unsafe { self.take_array(pairs, length) };
+        // SAFETY: as in entities.
+        let pairs = unsafe {
+            self.array("gmshModelGetPhysicalGroups", |pairs, length, status| {
+                (self.functions.groups)(pairs, length, -1, status)
+            })
+        }?;
         Ok(pairs.chunks_exact(2).map(|p| (p[0], p[1])).collect())
     }
 
     /// The name of a physical group; empty if it has none.
     pub fn group_name(&self, dimension: i32, tag: i32) -> Result<String, FfiError> {
-        let mut text = ptr::null_mut();
         // SAFETY: as in version.
-        self.call("gmshModelGetPhysicalName", |status| unsafe {
-            (self.functions.group_name)(dimension, tag, &mut text, status)
-        })?;
-        Ok(unsafe { self.take_string(text) })
+        unsafe {
+            self.text("gmshModelGetPhysicalName", |text, status| {
+                (self.functions.group_name)(dimension, tag, text, status)
+            })
+        }
     }
 
     /// Tags of the geometrical entities of a physical group.
     pub fn group_entities(&self, dimension: i32, tag: i32) -> Result<Vec<i32>, FfiError> {
-        let (mut tags, mut length) = (ptr::null_mut(), 0);
-        // SAFETY: as in entity_count.
-        self.call("gmshModelGetEntitiesForPhysicalGroup", |status| unsafe {
-            (self.functions.group_entities)(dimension, tag, &mut tags, &mut length, status)
-        })?;
-        Ok(unsafe { self.take_array(tags, length) })
+        // SAFETY: as in entities.
+        unsafe {
+            self.array(
+                "gmshModelGetEntitiesForPhysicalGroup",
+                |tags, length, status| {
+                    (self.functions.group_entities)(dimension, tag, tags, length, status)
+                },
+            )
+        }
     }
 
     /// Tag and position of every node of the model.
@@ -365,13 +249,13 @@ impl Session {
     pub fn variable(&self, name: &str) -> Option<f64> {
         let get = self.variables.as_ref()?.numbers;
         let name = CString::new(name).ok()?;
-        let (mut values, mut length) = (ptr::null_mut(), 0);
-        // SAFETY: a C string that outlives the call; Gmsh stores an allocated array and its length.
-        self.call("gmshParserGetNumber", |status| unsafe {
-            get(name.as_ptr(), &mut values, &mut length, status)
-        })
-        .ok()?;
-        match unsafe { self.take_array(values, length) }.as_slice() {
+        // SAFETY: as in entities, and a C string that outlives the call.
+        let values = unsafe {
+            self.array("gmshParserGetNumber", |values, length, status| {
+                get(name.as_ptr(), values, length, status)
+            })
+        };
+        match values.ok()?.as_slice() {
             [value] => Some(*value),
             _ => None,
         }
@@ -381,19 +265,14 @@ impl Session {
     pub fn text_variable(&self, name: &str) -> Option<String> {
         let get = self.variables.as_ref()?.texts;
         let name = CString::new(name).ok()?;
-        let (mut lines, mut length) = (ptr::null_mut(), 0);
         // SAFETY: as in log, and a C string that outlives the call.
-        self.call("gmshParserGetString", |status| unsafe {
-            get(name.as_ptr(), &mut lines, &mut length, status)
-        })
-        .ok()?;
-        let lines = unsafe { self.take_array(lines, length) };
-        let mut texts = lines
-            .into_iter()
-            .map(|line| unsafe { self.take_string(line) });
-        let first = texts.next();
-        // All are taken, since all have to be freed.
-        (texts.count() == 0).then_some(first).flatten()
+        let lines = unsafe {
+            self.array("gmshParserGetString", |lines, length, status| {
+                get(name.as_ptr(), lines, length, status)
+            })
+        };
+        let mut texts = unsafe { self.take_strings(lines.ok()?) };
+        (texts.len() == 1).then(|| texts.remove(0))
     }
 
     /// From here on Gmsh keeps its messages for [`Session::log`].
@@ -406,16 +285,41 @@ impl Session {
 
     /// The messages since [`Session::start_log`], each led by its level, such as "Error: ".
     pub fn log(&self) -> Result<Vec<String>, FfiError> {
-        let (mut lines, mut length) = (ptr::null_mut(), 0);
-        // SAFETY: Gmsh stores an allocated array of allocated C strings, all freed here.
-        self.call("gmshLoggerGet", |status| unsafe {
-            (self.functions.logger_get)(&mut lines, &mut length, status)
-        })?;
-        let lines = unsafe { self.take_array(lines, length) };
-        Ok(lines
-            .into_iter()
-            .map(|line| unsafe { self.take_string(line) })
-            .collect())
+        // SAFETY: Gmsh stores an array of C strings, all of which it has allocated.
+        let lines = unsafe {
+            self.array("gmshLoggerGet", |lines, length, status| {
+                (self.functions.logger_get)(lines, length, status)
+            })
+        }?;
+        Ok(unsafe { self.take_strings(lines) })
+    }
+
+    /// Calls a function that delivers an array.
+    ///
+    /// # Safety
+    /// The function stores an array that Gmsh has allocated, and its length.
+    unsafe fn array<T: Copy>(
+        &self,
+        function: &'static str,
+        run: impl FnOnce(*mut *mut T, *mut usize, Status),
+    ) -> Result<Vec<T>, FfiError> {
+        let (mut values, mut length) = (ptr::null_mut(), 0);
+        self.call(function, |status| run(&mut values, &mut length, status))?;
+        Ok(unsafe { self.take_array(values, length) })
+    }
+
+    /// Calls a function that delivers a text.
+    ///
+    /// # Safety
+    /// The function stores a C string that Gmsh has allocated.
+    unsafe fn text(
+        &self,
+        function: &'static str,
+        run: impl FnOnce(*mut *mut c_char, Status),
+    ) -> Result<String, FfiError> {
+        let mut text = ptr::null_mut();
+        self.call(function, |status| run(&mut text, status))?;
+        Ok(unsafe { self.take_string(text) })
     }
 
     fn call(&self, function: &'static str, run: impl FnOnce(Status)) -> Result<(), FfiError> {
@@ -437,54 +341,6 @@ impl Session {
         unsafe {
             (self.functions.last_error)(&mut text, &mut code);
             self.take_string(text)
-        }
-    }
-
-    /// Copies an array that Gmsh allocated, and frees it.
-    ///
-    /// # Safety
-    /// `array` is null or comes from Gmsh, holds `length` values, and is not used again.
-    unsafe fn take_array<T: Copy>(&self, array: *mut T, length: usize) -> Vec<T> {
-        if array.is_null() {
-            return Vec::new();
-        }
-        unsafe {
-            let copy = std::slice::from_raw_parts(array, length).to_vec();
-            (self.functions.free)(array.cast());
-            copy
-        }
-    }
-
-    /// Copies an array of arrays that Gmsh allocated, and frees all of it.
-    ///
-    /// # Safety
-    /// As for `take_array`, for both levels; `lengths` holds the inner arrays' lengths.
-    unsafe fn take_arrays<T: Copy>(
-        &self,
-        arrays: *mut *mut T,
-        lengths: *mut usize,
-        count: usize,
-    ) -> Vec<Vec<T>> {
-        let arrays = unsafe { self.take_array(arrays, count) };
-        let lengths = unsafe { self.take_array(lengths, count) };
-        let pairs = arrays.into_iter().zip(lengths);
-        pairs
-            .map(|(array, length)| unsafe { self.take_array(array, length) })
-            .collect()
-    }
-
-    /// Copies a C string that Gmsh allocated, and frees it.
-    ///
-    /// # Safety
-    /// `text` is null or a C string from Gmsh, and is not used again.
-    unsafe fn take_string(&self, text: *mut c_char) -> String {
-        if text.is_null() {
-            return String::new();
-        }
-        unsafe {
-            let copy = CStr::from_ptr(text).to_string_lossy().into_owned();
-            (self.functions.free)(text.cast());
-            copy
         }
     }
 }

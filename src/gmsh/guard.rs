@@ -1,29 +1,30 @@
-//! What a script could do besides drawing: run programs and write files.
+//! Commands of a script that do more than draw: they run programs and write files.
 //!
 //! A `.geo` is code. These commands are found in the text, before Gmsh sees it, so that the message has
-//! file and line; what the text does not show, `sandbox.rs` forbids while Gmsh runs.
+//! file and line; what the text does not show, `sandbox.rs` forbids while Gmsh runs. A `Save` is the last
+//! line of very many scripts and changes no mesh: it is passed over, with a note.
 
-use super::geo_script::Text;
+use super::script_text::Text;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// A place where a script does more than draw.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Deed {
+/// A command of a script and its place.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ScriptCommand {
     pub file: PathBuf,
     /// Counted from 1.
     pub line: usize,
-    /// `SystemCall runs a program`.
+    /// The effect of the command, such as `SystemCall runs a program`.
     pub what: String,
 }
 
 /// Commands and fields that are never part of a drawing.
-const DEEDS: [(&str, &str); 7] = [
+const UNSAFE: [(&str, &str); 6] = [
     ("SystemCall", "runs a program"),
     ("NonBlockingSystemCall", "runs a program"),
     ("OnelabRun", "runs a program"),
     ("ExternalProcess", "runs a program"),
-    ("Save", "writes a file"),
     ("Print", "writes a file"),
     ("UnsplitWindow", "works on Gmsh's window"),
 ];
@@ -31,10 +32,10 @@ const DEEDS: [(&str, &str); 7] = [
 /// Commands whose files are read along, so that their names must be in the text.
 const READING: [&str; 4] = ["Include", "Merge", "MergeWithBoundingBox", "ShapeFromFile"];
 
-/// All of them in one file, in order.
-pub(super) fn deeds(file: &Path, text: &Text) -> Vec<Deed> {
+/// The unsafe commands of one file, in order.
+pub(super) fn unsafe_commands(file: &Path, text: &Text) -> Vec<ScriptCommand> {
     let mut found: Vec<(usize, String)> = Vec::new();
-    for (word, what) in DEEDS {
+    for (word, what) in UNSAFE {
         let commands = text.words(word).filter(|at| is_command(text, at));
         found.extend(commands.map(|at| (at.start, format!("{word} {what}"))));
     }
@@ -55,23 +56,46 @@ pub(super) fn deeds(file: &Path, text: &Text) -> Vec<Deed> {
             }
         }
     }
+    let views = save_commands(text).filter(|at| is_save_of_a_view(text, at));
+    found.extend(views.map(|at| (at.start, "Save View writes a file".to_owned())));
     found.sort();
-    let deed = |(at, what)| Deed {
+    let command = |(at, what)| ScriptCommand {
         file: file.to_owned(),
         line: text.line(at),
         what,
     };
-    found.into_iter().map(deed).collect()
+    found.into_iter().map(command).collect()
 }
 
-/// Not an option's category, `Print.Background = 1`, nor its name, `Mesh.Save`.
+/// The `Save` commands of one file that write the model or its mesh, in order.
+pub(super) fn saves(file: &Path, text: &Text) -> Vec<ScriptCommand> {
+    let command = |at: Range<usize>| ScriptCommand {
+        file: file.to_owned(),
+        line: text.line(at.start),
+        what: "`Save` is passed over: a geometry writes no files here".to_owned(),
+    };
+    let commands = save_commands(text).filter(|at| !is_save_of_a_view(text, at));
+    commands.map(command).collect()
+}
+
+fn save_commands(text: &Text) -> impl Iterator<Item = Range<usize>> {
+    text.words("Save").filter(|at| is_command(text, at))
+}
+
+/// `Save View[0] "x.pos"`: Gmsh's log does not announce what it writes here, so that its failure
+/// could not be told from others.
+fn is_save_of_a_view(text: &Text, at: &Range<usize>) -> bool {
+    text.code[at.end..].trim_start().starts_with("View")
+}
+
+/// Excludes the category of an option, `Print.Background = 1`, and its name, `Mesh.Save`.
 fn is_command(text: &Text, at: &Range<usize>) -> bool {
     let before = text.code[..at.start].trim_end();
     let behind = text.code[at.end..].trim_start();
     !before.ends_with('.') && !behind.starts_with(['.', '='])
 }
 
-/// Whether one string and nothing else stands between the command and its semicolon.
+/// Returns whether one string and nothing else stands between the command and its semicolon.
 fn names_its_file(text: &Text, at: &Range<usize>) -> bool {
     let rest = &text.code[at.end..];
     let end = rest.find(';').unwrap_or(rest.len());
@@ -89,11 +113,11 @@ fn names_its_file(text: &Text, at: &Range<usize>) -> bool {
 mod tests {
     use super::*;
 
-    fn told(script: &str) -> Vec<(usize, String)> {
-        let deeds = deeds(Path::new("a.geo"), &Text::new(script));
-        deeds
+    fn found(script: &str) -> Vec<(usize, String)> {
+        let commands = unsafe_commands(Path::new("a.geo"), &Text::new(script));
+        commands
             .into_iter()
-            .map(|deed| (deed.line, deed.what))
+            .map(|command| (command.line, command.what))
             .collect()
     }
 
@@ -104,7 +128,7 @@ Point(1) = {0, 0, 0};
 SystemCall \"touch /tmp/x\";
 NonBlockingSystemCall StrCat(\"touch \", \"/tmp/y\"); OnelabRun(\"x\", \"y\");
 Field[1] = ExternalProcess;
-/* Save \"a.msh\"; */ Save \"b.msh\";
+/* Save View[0] \"a.pos\"; */ Save View[0] \"b.pos\";
 Print Sprintf(\"%g.png\", 1);
 Printf(\"%g\", 1) >> \"out.txt\";
 Printf(\"%g > %g\", 1, 2);
@@ -114,18 +138,27 @@ Printf(\"%g > %g\", 1, 2);
             (3, "NonBlockingSystemCall runs a program"),
             (3, "OnelabRun runs a program"),
             (4, "ExternalProcess runs a program"),
-            (5, "Save writes a file"),
+            (5, "Save View writes a file"),
             (6, "Print writes a file"),
             (7, "Printf with > writes a file"),
         ];
         assert_eq!(
-            told(script),
+            found(script),
             expected.map(|(line, what)| (line, what.to_owned()))
         );
     }
 
     #[test]
-    fn drawing_is_no_deed() {
+    fn saves_of_the_mesh_are_found_with_their_line() {
+        let script = "Mesh 2;\nSave \"a.msh\"; Save Sprintf(\"%g.vtk\", 1);\n// Save \"b.msh\";\n\
+                      Save View[0] \"c.pos\"; Mesh.Save = 1;\n";
+        let found = saves(Path::new("a.geo"), &Text::new(script));
+        let lines: Vec<usize> = found.iter().map(|save| save.line).collect();
+        assert_eq!(lines, [2, 2]);
+    }
+
+    #[test]
+    fn drawing_is_safe() {
         let script = "\
 // SystemCall \"x\";
 Print.Background = 1; Mesh.SaveAll = 1; Mesh . Save = 1;
@@ -133,7 +166,7 @@ a = \"SystemCall\"; SystemCalls = 2; Save_it = 3;
 Include \"b.geo\"; Merge 'part.step'; Merge(\"c.msh\");
 Physical Surface(\"Save\") = {1};
 ";
-        assert_eq!(told(script), []);
+        assert_eq!(found(script), []);
     }
 
     #[test]
@@ -145,11 +178,11 @@ Physical Surface(\"Save\") = {1};
             "Merge \"a\" \"b\";",
             "Include Sprintf(\"%g.geo\", 1)",
         ] {
-            let told = told(script);
-            assert_eq!(told.len(), 1, "{script}");
+            let found = found(script);
+            assert_eq!(found.len(), 1, "{script}");
             assert!(
-                told[0].1.contains("computes the name of its file"),
-                "{told:?}"
+                found[0].1.contains("computes the name of its file"),
+                "{found:?}"
             );
         }
     }

@@ -15,7 +15,7 @@ pub const DEBIAN_PACKAGES: &str = "libglu1-mesa libgl1 libxrender1 libxcursor1 l
 /// The variable that names the library to use.
 pub const VARIABLE: &str = "GMSH_LIB";
 
-/// Where to look.
+/// The places in which the library is sought.
 #[derive(Clone, Debug, Default)]
 pub struct Places {
     /// The value of `$GMSH_LIB`.
@@ -26,7 +26,7 @@ pub struct Places {
     pub system: Vec<PathBuf>,
 }
 
-/// What was found, and where it was sought.
+/// The libraries that were found, and the places that were searched.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Search {
     /// Candidates, best first.

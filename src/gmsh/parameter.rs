@@ -40,7 +40,7 @@ impl std::fmt::Display for Default {
     }
 }
 
-/// What a parameter may be, as far as its attributes say so in plain numbers and texts.
+/// The values that a parameter may have, as far as its attributes give them in plain numbers and texts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Range {
     /// `Min`.
@@ -52,7 +52,7 @@ pub struct Range {
 }
 
 impl Range {
-    /// What the value must be, if it is not that.
+    /// The expectation that the value does not meet, if there is one.
     pub fn refuses(&self, value: &Value) -> Option<String> {
         let is_chosen = self.choices.is_empty() || self.choices.iter().any(|(v, _)| v == value);
         let is_within = match value {
@@ -104,7 +104,7 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// What the value must be instead, if it is not one that the parameter can have.
+    /// The values that are allowed instead, if this one is not.
     pub fn refuses(&self, value: &Value) -> Option<String> {
         let fits = |expected: &str| Some(expected.to_owned());
         match (&self.default, value) {

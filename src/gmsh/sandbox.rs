@@ -1,4 +1,4 @@
-//! What the worker may do while Gmsh runs a script: read files, and write into its own folder.
+//! Limits of the worker while Gmsh runs a script: it may read files, and write into its own folder.
 //!
 //! The kernel keeps to it (Landlock, Linux 5.13 and newer): no program is started, no file written or removed
 //! elsewhere, from Linux 6.7 on no connection made. An older kernel does what it can; what the script's text
@@ -38,7 +38,7 @@ pub(super) fn shut_in(folder: &Path) -> Result<bool, RulesetError> {
     Ok(rules.restrict_self()?.ruleset != RulesetStatus::NotEnforced)
 }
 
-/// What Gmsh may take of the machine's memory, as address space; threads and libraries reserve some of it.
+/// Share of the machine's memory that Gmsh may take, as address space; threads and libraries reserve some of it.
 const MEMORY_SHARE: f64 = 0.5;
 const LEAST_MEMORY: f64 = 8e9;
 

@@ -13,11 +13,15 @@ use std::process::ExitCode;
 use serde::{Deserialize, Serialize};
 
 use super::Value;
-use super::extract::{Block, Extract, Group, Origin};
-use super::ffi::{self, FfiError, Session};
+use super::extract::{self, Extract, WHOLE};
+use super::ffi::{self, Session};
+use super::ffi_types::FfiError;
+use super::gather::gather;
+use super::guard::ScriptCommand;
+use super::message::Message;
 use super::sandbox;
 
-/// What the parent asks for.
+/// The parent's request.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Request {
     /// Absolute path of the geometry or mesh.
@@ -33,67 +37,33 @@ pub(super) struct Request {
     pub outcome: PathBuf,
     /// Let the script run programs and write files.
     pub trust: bool,
+    /// A `Save` of a script that is not trusted: the kernel must be able to prevent it.
+    #[serde(default)]
+    pub first_save: Option<ScriptCommand>,
+    /// Mesh all surfaces, also those that have a mesh.
+    #[serde(default)]
+    pub anew: bool,
+    /// Physical groups that must exist before the model is meshed.
+    #[serde(default)]
+    pub groups: Vec<String>,
 }
 
-/// What the worker answers.
+/// The worker's answer.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) enum Outcome {
     Done(Extract),
     /// No library could be loaded: each with its reason.
     NoLibrary(Vec<(PathBuf, String)>),
+    /// The kernel cannot prevent the script from writing a file.
+    CannotPassOver(ScriptCommand),
+    /// One of the requested groups is missing.
+    GroupMissing {
+        /// Dimension and label of the groups that exist.
+        available: Vec<(u8, String)>,
+        /// Number of surfaces, in a group or not.
+        surfaces: usize,
+    },
     Failed(Vec<Message>),
-}
-
-/// An error message of Gmsh, with the place in a file if it names one.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Message {
-    pub file: Option<PathBuf>,
-    /// Counted from 1.
-    pub line: Option<u32>,
-    pub text: String,
-}
-
-impl Message {
-    /// Reads "'FILE', line N: TEXT"; any other text has no place.
-    pub(super) fn parse(text: &str) -> Message {
-        let located = || {
-            let (file, rest) = text.strip_prefix('\'')?.split_once("', line ")?;
-            let (line, message) = rest.split_once(':')?;
-            let line = line.trim().parse().ok()?;
-            Some((file, line, message.trim()))
-        };
-        match located() {
-            Some((file, line, message)) => Message {
-                file: Some(PathBuf::from(file)),
-                line: Some(line),
-                text: message.to_owned(),
-            },
-            None => Message {
-                file: None,
-                line: None,
-                text: text.to_owned(),
-            },
-        }
-    }
-}
-
-impl std::fmt::Display for Message {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        if let Some(file) = &self.file {
-            write!(f, "{}:", file.display())?;
-            if let Some(line) = self.line {
-                write!(f, "{line}:")?;
-            }
-            write!(f, " ")?;
-        }
-        write!(f, "{}", self.text)
-    }
-}
-
-impl From<FfiError> for Message {
-    fn from(error: FfiError) -> Message {
-        Message::parse(&error.to_string())
-    }
 }
 
 /// The worker's whole life: for `peristitch mesh-worker`, which takes its request from the
@@ -115,11 +85,14 @@ fn serve() -> io::Result<()> {
     let request: Request = serde_json::from_str(&line)?;
     std::thread::spawn(|| exit_with_parent());
     sandbox::limit_memory();
-    if !request.trust {
+    let is_shut_in = !request.trust && {
         let folder = request.outcome.parent().unwrap_or(Path::new("."));
-        sandbox::shut_in(folder).map_err(io::Error::other)?;
-    }
-    let outcome = mesh(&request);
+        sandbox::shut_in(folder).map_err(io::Error::other)?
+    };
+    let outcome = match &request.first_save {
+        Some(save) if !is_shut_in => Outcome::CannotPassOver(save.clone()),
+        _ => mesh(&request),
+    };
     let bytes = postcard::to_stdvec(&outcome).map_err(io::Error::other)?;
     let unfinished = request.outcome.with_extension("part");
     std::fs::write(&unfinished, bytes).map_err(|error| {
@@ -146,9 +119,7 @@ fn mesh(request: &Request) -> Outcome {
     let mut failures = Vec::new();
     for library in &request.libraries {
         match Session::start(library, &request.arguments) {
-            Ok(session) => {
-                return run(&session, request).map_or_else(Outcome::Failed, Outcome::Done);
-            }
+            Ok(session) => return run(&session, request).unwrap_or_else(Outcome::Failed),
             Err(FfiError::Load { library, reason }) => failures.push((library, reason)),
             Err(error) => return Outcome::Failed(vec![error.into()]),
         }
@@ -156,7 +127,7 @@ fn mesh(request: &Request) -> Outcome {
     Outcome::NoLibrary(failures)
 }
 
-fn run(session: &Session, request: &Request) -> Result<Extract, Vec<Message>> {
+fn run(session: &Session, request: &Request) -> Result<Outcome, Vec<Message>> {
     step(session, |session| {
         session.set_number(c"General.Terminal", 1.0)?;
         // Errors then end neither the process nor the reading: the log has them all, with places.
@@ -164,13 +135,86 @@ fn run(session: &Session, request: &Request) -> Result<Extract, Vec<Message>> {
         session.start_log()?;
         session.open(&request.geometry)
     })?;
-    if let Some(dimension) = request.mesh_dimension {
-        step(session, |session| session.generate(dimension))?;
+    let mut labels = step(session, group_labels)?;
+    let is_whole = request.groups.iter().any(|group| group == WHOLE)
+        && labels.iter().all(|(dimension, _)| *dimension != 2);
+    if is_whole {
+        labels.push((2, WHOLE.to_owned()));
     }
-    let mut extract = step(session, gather)?;
+    let exists = |group: &String| labels.iter().any(|(_, label)| label == group);
+    if !request.groups.iter().all(exists) {
+        let surfaces = step(session, |session| session.entities(2))?.len();
+        return Ok(Outcome::GroupMissing {
+            available: labels,
+            surfaces,
+        });
+    }
+    if let Some(dimension) = request.mesh_dimension {
+        step(session, |session| match request.anew {
+            true => session.generate(dimension),
+            false => complete_mesh(session, dimension),
+        })?;
+    }
+    let mut extract = step(session, |session| gather(session, is_whole))?;
     extract.warnings = messages(session, "Warning: ").map_err(|error| vec![error.into()])?;
     extract.parameters = values(session, &request.parameters);
-    Ok(extract)
+    Ok(Outcome::Done(extract))
+}
+
+fn group_labels(session: &Session) -> Result<Vec<(u8, String)>, FfiError> {
+    let mut labels = Vec::new();
+    for (dimension, tag) in session.groups()? {
+        let name = session.group_name(dimension, tag)?;
+        labels.push((extract::dimension(dimension), extract::label(&name, tag)));
+    }
+    Ok(labels)
+}
+
+/// Meshes the surfaces that the script has left without a mesh. What it has meshed stays as it is: a
+/// `Plugin(Crack)`, `SetOrder` or `RecombineMesh` after its `Mesh 2` would be lost by meshing again.
+fn complete_mesh(session: &Session, dimension: i32) -> Result<(), FfiError> {
+    let mut is_complete = true;
+    let mut made = BTreeSet::new();
+    for surface in surfaces_to_mesh(session)? {
+        let blocks = session.elements(2, surface)?;
+        is_complete &= !blocks.is_empty();
+        made.extend(blocks.iter().map(|block| block.kind));
+    }
+    if made.is_empty() {
+        return session.generate(dimension);
+    }
+    if is_complete {
+        return Ok(());
+    }
+    session.set_number(c"Mesh.MeshOnlyEmpty", 1.0)?;
+    // Gmsh gives all elements the order of the options, those that it did not make now included.
+    let mut order = 1;
+    for &kind in &made {
+        order = order.max(session.element_properties(kind)?.order);
+    }
+    session.set_number(c"Mesh.ElementOrder", order as f64)?;
+    if made.contains(&EIGHT_NODE_QUADRILATERAL) {
+        session.set_number(c"Mesh.SecondOrderIncomplete", 1.0)?;
+    }
+    session.generate(dimension)
+}
+
+/// Gmsh's number of the eight-node quadrilateral.
+const EIGHT_NODE_QUADRILATERAL: i32 = 16;
+
+/// The surfaces of physical groups; all surfaces where there is no such group.
+fn surfaces_to_mesh(session: &Session) -> Result<BTreeSet<i32>, FfiError> {
+    let mut surfaces = BTreeSet::new();
+    for (dimension, tag) in session.groups()? {
+        if dimension == 2 {
+            let entities = session.group_entities(dimension, tag)?;
+            surfaces.extend(entities.iter().map(|entity| entity.abs()));
+        }
+    }
+    if surfaces.is_empty() {
+        surfaces.extend(session.entities(2)?);
+    }
+    Ok(surfaces)
 }
 
 /// The values of those variables that have one.
@@ -201,94 +245,29 @@ fn step<T>(
 fn messages(session: &Session, level: &str) -> Result<Vec<String>, FfiError> {
     let mut seen = BTreeSet::new();
     let log = session.log()?;
-    let found = log.iter().filter_map(|line| line.strip_prefix(level));
+    let lines = without_saves(&log).into_iter();
+    let found = lines.filter_map(|line| line.strip_prefix(level));
     Ok(found
         .filter(|text| seen.insert(*text))
         .map(|text| text.trim().to_owned())
         .collect())
 }
 
-fn gather(session: &Session) -> Result<Extract, FfiError> {
-    let mut entity_counts = [0; 4];
-    for (dimension, count) in (0..).zip(&mut entity_counts) {
-        *count = session.entity_count(dimension)?;
-    }
-    let mut tags = session.groups()?;
-    tags.sort_unstable();
-    let mut groups = Vec::new();
-    for (dimension, tag) in tags {
-        groups.push(gather_group(session, dimension, tag)?);
-    }
-    let nodes = number_nodes(session, &mut groups)?;
-    Ok(Extract {
-        origin: Origin {
-            program: "Gmsh".to_owned(),
-            version: session.version()?,
-        },
-        warnings: Vec::new(),
-        parameters: BTreeMap::new(),
-        entity_counts,
-        nodes,
-        groups,
-    })
-}
-
-/// A physical group, its nodes still under Gmsh's tags.
-fn gather_group(session: &Session, dimension: i32, tag: i32) -> Result<Group, FfiError> {
-    let mut entities: Vec<i32> = session.group_entities(dimension, tag)?;
-    entities
-        .iter_mut()
-        .for_each(|entity| *entity = entity.abs());
-    entities.sort_unstable();
-    entities.dedup();
-    let mut elements: BTreeMap<i32, BTreeMap<usize, Vec<usize>>> = BTreeMap::new();
-    let mut properties = BTreeMap::new();
-    for entity in entities {
-        for block in session.elements(dimension, entity)? {
-            let property = session.element_properties(block.kind)?;
-            let nodes = block.nodes.chunks_exact(property.node_count.max(1));
-            let members = elements.entry(block.kind).or_default();
-            members.extend(block.tags.into_iter().zip(nodes.map(<[usize]>::to_vec)));
-            properties.insert(block.kind, property);
+/// The log without what Gmsh says while it saves a file. The kernel lets no file be written, so that a
+/// `Save` fails and changes nothing; a script that is trusted has no such errors.
+fn without_saves(log: &[String]) -> Vec<&str> {
+    let mut is_saving = false;
+    let is_outside = |line: &&str| {
+        if line.starts_with("Info: Writing '") {
+            is_saving = true;
         }
-    }
-    let blocks = elements.into_iter().zip(properties.into_values());
-    Ok(Group {
-        dimension: u8::try_from(dimension).expect("Gmsh's dimensions are 0 to 3"),
-        tag,
-        name: session.group_name(dimension, tag)?,
-        blocks: blocks
-            .map(|((kind, members), property)| Block {
-                kind,
-                kind_name: property.name,
-                order: property.order,
-                nodes_per_element: property.node_count,
-                tags: members.keys().map(|&tag| tag as u64).collect(),
-                nodes: members.into_values().flatten().collect(),
-            })
-            .collect(),
-    })
-}
-
-/// Replaces node tags by indices into the positions returned: the used nodes, ascending by tag.
-fn number_nodes(session: &Session, groups: &mut [Group]) -> Result<Vec<[f64; 3]>, FfiError> {
-    let used: BTreeSet<usize> = groups
-        .iter()
-        .flat_map(|group| &group.blocks)
-        .flat_map(|block| block.nodes.iter().copied())
-        .collect();
-    let mut nodes = session.nodes()?;
-    nodes.retain(|(tag, _)| used.contains(tag));
-    nodes.sort_by_key(|(tag, _)| *tag);
-    nodes.dedup_by_key(|(tag, _)| *tag);
-    for block in groups.iter_mut().flat_map(|group| &mut group.blocks) {
-        for node in &mut block.nodes {
-            *node = nodes
-                .binary_search_by_key(node, |(tag, _)| *tag)
-                .map_err(|_| FfiError::NodeMissing { node: *node })?;
+        let is_outside = !is_saving;
+        if line.starts_with("Info: Done writing '") || line.starts_with("Info: Reading '") {
+            is_saving = false;
         }
-    }
-    Ok(nodes.into_iter().map(|(_, position)| position).collect())
+        is_outside
+    };
+    log.iter().map(String::as_str).filter(is_outside).collect()
 }
 
 /// Reads the outcome that a worker left; None if it did not come so far.
@@ -302,13 +281,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn messages_carry_file_and_line() {
-        let message = Message::parse("'/a/it's.geo', line 12: syntax error (})");
-        assert_eq!(message.file.as_deref(), Some(Path::new("/a/it's.geo")));
-        assert_eq!(message.line, Some(12));
-        assert_eq!(message.to_string(), "/a/it's.geo:12: syntax error (})");
-        let plain = Message::parse("Unable to open file 'x'");
-        assert_eq!((&plain.file, plain.line), (&None, None));
-        assert_eq!(plain.to_string(), "Unable to open file 'x'");
+    fn errors_of_a_save_are_passed_over_and_others_are_not() {
+        let log = [
+            "Info: Reading 'a.geo'...",
+            "Error: before",
+            "Info: Writing 'a.msh'...",
+            "Error: Unable to open file 'a.msh'",
+            "Info: Done writing 'a.msh'",
+            "Error: behind",
+        ]
+        .map(str::to_owned);
+        assert_eq!(
+            without_saves(&log),
+            ["Info: Reading 'a.geo'...", "Error: before", "Error: behind"]
+        );
     }
 }

@@ -1,4 +1,4 @@
-//! What the child writes: a line of JSON, the header, and then the arrays that it lists, little-endian 64-bit
+//! The child's output: a line of JSON, the header, and then the arrays that it lists, little-endian 64-bit
 //! numbers one behind the other. Nothing of it is trusted: every index and length is checked here.
 
 use std::collections::BTreeMap;
@@ -30,7 +30,7 @@ impl Kind {
         }
     }
 
-    /// As meshio names it.
+    /// The name that meshio uses.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Vertex => "vertex",
@@ -56,7 +56,7 @@ impl Kind {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Cell {
     pub kind: Kind,
-    /// Its number in the file.
+    /// Number of the cell in the file.
     pub id: i64,
     /// Indices of nodes.
     pub nodes: Vec<usize>,
@@ -83,7 +83,7 @@ pub struct Container {
     pub notes: Vec<String>,
 }
 
-/// What the child came to.
+/// The child's result.
 #[derive(Debug)]
 pub enum Outcome {
     Mesh(Container),
@@ -131,7 +131,7 @@ enum NumberKind {
 /// Reads what the child wrote.
 ///
 /// # Errors
-/// What is wrong with it.
+/// A sentence about the damage.
 pub fn read(bytes: &[u8]) -> Result<Outcome, String> {
     let end = bytes.iter().position(|&byte| byte == b'\n');
     let end = end.ok_or("it has no header")?;

@@ -1,4 +1,4 @@
-//! Which edges of the mesh a set of nodes traces.
+//! The edges of the mesh that a set of nodes traces.
 //!
 //! A set lists nodes, a curve consists of edges. An edge belongs to the curve if all its nodes, the middle one
 //! included, are in the set; edges of the mesh's outline come first, and inner ones only where a node of the set
@@ -15,7 +15,7 @@ pub struct Edges<'a> {
     index: HashMap<[usize; 2], usize>,
 }
 
-/// What a set of nodes comes to.
+/// The edges and points of a set of nodes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Traced {
     pub edges: Vec<Edge>,

@@ -10,6 +10,7 @@ import io
 import json
 import os
 import pathlib
+import re
 import sys
 import threading
 
@@ -19,7 +20,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # What meshio calls those kinds of cells that lie in a plane and that peristitch computes with.
 KINDS = ("vertex", "line", "line3", "triangle", "triangle6", "quad", "quad8")
 # Integer data whose values are names of groups by themselves.
-GROUP_IDS = ("gmsh:physical", "medit:ref", "nastran:ref")
+GROUP_IDS = ("gmsh:physical", "medit:ref", "avsucd:material")
 # Integer data that are none.
 NO_GROUPS = ("gmsh:geometrical", "gmsh:dim_tags", "cell_tags", "point_tags", "vtkOriginalCellIds",
              "vtkOriginalPointIds", "GlobalCellIds", "GlobalPointIds")
@@ -99,65 +100,96 @@ def read(path):
 
 def read_mesh(meshio, path):
     suffix = path.suffix.lower()
-    if suffix == ".inp":
+    if suffix == ".inp" and not is_avs(path):
         import abaqus
 
         return abaqus.read(meshio, path, Unsupported)
     if suffix in (".bdf", ".nas", ".fem"):
-        path = nastran_whole(path)
+        import nastran
+
+        return nastran.read(meshio, path, Unsupported)
+    if suffix == ".med":
+        prepare_med(path)
+    if suffix == ".vtu":
+        path = vtu_of_version_1(path)
     said = io.StringIO()
     with contextlib.redirect_stdout(said):
         try:
-            mesh = meshio.read(path)
+            mesh = meshio.read(path, file_format="avsucd" if suffix == ".inp" else None)
         except SystemExit:  # meshio's way to say that no reader could
-            text = said.getvalue().strip() or "meshio cannot read it, and does not say why"
-            raise Unsupported(text) from None
-    if suffix in (".bdf", ".nas", ".fem"):
-        mesh.node_ids, mesh.element_ids = mesh.points_id, mesh.cells_id
+            lines = [line for line in said.getvalue().splitlines() if "Couldn't read file" not in line]
+            raise Unsupported(advice(suffix, " ".join(lines).strip())) from None
+        except (MemoryError, ModuleNotFoundError, Unsupported):
+            raise
+        except Exception as error:
+            raise Unsupported(advice(suffix, f"{type(error).__name__}: {error}")) from error
     mesh.counts_from_zero = suffix in (".vtu", ".vtk")
     return mesh
 
 
-def nastran_whole(path):
-    """The file with the lines around its cards that meshio insists upon and Gmsh does not write."""
-    check_nastran(path)
-    text = path.read_text(encoding="utf-8", errors="replace")
-    lines = [line.strip() for line in text.splitlines()]
-    before = "" if any(line.startswith("BEGIN BULK") for line in lines) else "BEGIN BULK\n"
-    behind = "" if any(line.startswith("ENDDATA") for line in lines) else "\nENDDATA\n"
-    whole = pathlib.Path(__file__).with_name("whole.bdf")
-    whole.write_text(before + text + behind, encoding="utf-8")
-    return whole
+def advice(suffix, reason):
+    """What to do with a file that meshio cannot read."""
+    reason = f"meshio cannot read it ({reason})" if reason else "meshio cannot read it, and does not say why"
+    ways = {
+        ".vtu": "; open it in ParaView and save it as .vtu with the data mode Appended or Ascii, or in Python: "
+                "pyvista.read(file).save(\"mesh.vtu\")",
+        ".vtk": "; open it in ParaView and save it as .vtu, or in Python: pyvista.read(file).save(\"mesh.vtu\")",
+        ".med": "; export the mesh from Salome or Gmsh as .med once more, triangles and quadrilaterals alone, or as .msh "
+                "or .inp",
+    }
+    return reason + ways.get(suffix, "")
 
 
-def check_nastran(path):
-    """meshio passes over cards that it does not know, and over coordinate systems."""
-    from meshio.nastran import _nastran
-
-    table = _nastran.nastran_to_meshio_type
-    for plane in ("CPLSTS", "CPLSTN"):
-        for corners, kind in (("3", "triangle"), ("4", "quad"), ("6", "triangle6"), ("8", "quad8")):
-            table.setdefault(plane + corners, kind)
-    no_cells = ("CORD", "CONM", "CMASS", "CDAMP", "CELAS", "CONV", "CLOAD", "CEND")
-    unknown = {}
+def is_avs(path):
+    """Whether an .inp is one of AVS-UCD: it begins with five counts, and Abaqus with a keyword."""
     with open(path, encoding="utf-8", errors="replace") as file:
-        for line in file:
-            card = line[:8].split(",")[0].strip().rstrip("*").upper()
-            if card == "INCLUDE":
-                raise Unsupported("INCLUDE: meshio does not follow it; put all cards into one file")
-            if card.startswith("CORD"):
-                raise Unsupported(f"a coordinate system ({card}): give the grid points in the basic one")
-            if card[:1] == "C" and card[1:2].isalpha() and card not in table and not card.startswith(no_cells):
-                if card in ("CAXIF2", "CTRIAX", "CQUADX", "CQUADX4", "CQUADX8", "CTRAX3"):
-                    raise Unsupported(f"{card} elements are axisymmetric, and this is a plane computation")
-                unknown[card] = unknown.get(card, 0) + 1
-    plane = {card: count for card, count in unknown.items() if card.startswith(("CQUAD", "CTRI", "CPLST"))}
-    if plane:
-        raise Unsupported("plane elements that meshio does not know: " + listed(plane))
+        lines = (line.split() for line in file if line.strip() and not line.startswith("#"))
+        first = next(lines, [])
+    return len(first) == 5 and all(word.isdigit() for word in first)
 
 
-def listed(counts):
-    return ", ".join(f"{count} {name}" for name, count in counts.items())
+def vtu_of_version_1(path):
+    """meshio knows the versions 0.1 and 1.0; those after them differ in cells that have no place here."""
+    data = path.read_bytes()
+    head = re.sub(rb'(<VTKFile[^>]*version=")2\.[0-9]+"', rb'\g<1>1.0"', data[:1000], count=1)
+    if head == data[:1000]:
+        return path
+    older = pathlib.Path(__file__).with_name("older.vtu")
+    older.write_bytes(head + data[1000:])
+    return older
+
+
+def prepare_med(path):
+    """Mends what meshio stumbles upon: names that are not ASCII, families without groups, fields."""
+    import h5py
+    from meshio.med import _med
+
+    def families(data):
+        named = {}
+        for family in data.values():
+            rows = family["GRO"]["NOM"][()] if "GRO" in family else []
+            texts = [bytes(int(character) & 0xFF for character in row).split(b"\0")[0] for row in rows]
+            named[family.attrs["NUM"]] = [text.decode("utf-8", errors="replace").strip() for text in texts]
+        return named
+
+    _med._read_families = families
+    _med._read_data = lambda *_: None
+    _med.med_to_meshio_type.update({"QU9": "quad9", "TR7": "triangle7", "SE4": "line4"})
+    kinds = {}
+
+    def collect(name, entry):
+        if name.rsplit("/", 2)[-2:-1] == ["MAI"] and isinstance(entry, h5py.Group):
+            kinds[entry.name.rsplit("/", 1)[1]] = entry
+
+    with h5py.File(path, "r") as file:
+        file["ENS_MAA"].visititems(collect)
+        unknown = [kind for kind in kinds if kind not in _med.med_to_meshio_type]
+    if any(kind.startswith("PO") for kind in unknown):
+        raise Unsupported("the mesh has polygons, which are no elements of this program: mesh the surface with triangles "
+                          "and quadrilaterals (Salome: Netgen 1D-2D, or Convert to triangles)")
+    if unknown:
+        raise Unsupported(f"the mesh has elements of the kind {', '.join(unknown)}, which meshio does not know: mesh the "
+                          "surface with 3- or 6-node triangles or 4- or 8-node quadrilaterals")
 
 
 def describe(meshio, mesh):
@@ -229,7 +261,7 @@ def sets_of_cells(mesh, starts):
         notes += note
         for value, name in names.items():
             for block, values in enumerate(data):
-                add(name, block, np.flatnonzero(values == value))
+                add(name, block, np.flatnonzero(np.ravel(values) == value))
     return {name: np.unique(np.concatenate(some)) for name, some in parts.items()}, notes
 
 
@@ -243,13 +275,9 @@ def sets_of_nodes(mesh):
         for name in names:
             sets[name] = np.union1d(sets.get(name, members), members)
     for key, data in mesh.point_data.items():
-        if key == "nastran:ref":
-            if np.any(np.asarray(data)):
-                raise Unsupported("grid points in a coordinate system of their own: give them in the basic one")
-            continue
         names, note = names_of_values(key, [data])
         notes += note
-        sets.update({name: np.flatnonzero(data == value) for value, name in names.items()})
+        sets.update({name: np.flatnonzero(np.ravel(data) == value) for value, name in names.items()})
     return {name: np.unique(nodes) for name, nodes in sets.items() if len(nodes)}, notes
 
 
@@ -257,7 +285,9 @@ def names_of_values(key, data):
     """Value → name of the group, for integer data. `a-b-c` is how meshio writes sets as data; -1 is none of them."""
     import numpy as np
 
+    # VTK's own files and meshio's reader of them give a column.
     data = [np.asarray(some) for some in data]
+    data = [some.ravel() if some.ndim == 2 and some.shape[1] == 1 else some for some in data]
     if key in NO_GROUPS or not data or not all(some.ndim == 1 and some.dtype.kind in "iu" for some in data):
         return {}, []
     values = [int(value) for value in np.unique(np.concatenate(data)) if value >= 0]

@@ -1,4 +1,4 @@
-//! Which Python has meshio: the one that `$PERISTITCH_PYTHON` names (and then no other), that of the nearest
+//! The search for a Python that has meshio: the one that `$PERISTITCH_PYTHON` names (and then no other), that of the nearest
 //! `.venv`, upwards from the current directory and from the executable, or the `python3` on the path.
 
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ const PROBE: &str =
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Python {
     pub executable: PathBuf,
-    /// Of meshio.
+    /// Version of meshio.
     pub version: String,
 }
 

@@ -54,7 +54,7 @@ pub fn reader(name: &str, geo: &Path) -> Option<Read> {
         "meshio" => Box::new(|bytes| match container::read(bytes)? {
             Outcome::Failed { .. } => Err("failed".to_owned()),
             Outcome::Mesh(container) => {
-                let extract = convert::extract(&container).map_err(|e| e.to_string())?;
+                let extract = convert::extract(&container, false).map_err(|e| e.to_string())?;
                 extract.to_mesh(1.0).map(drop).map_err(|e| e.to_string())
             }
         }),

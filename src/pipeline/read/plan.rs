@@ -13,6 +13,7 @@ use crate::fracture::control::{Control, Until};
 use crate::fracture::laws::Strength;
 use crate::gmsh::Value;
 use crate::material::Material;
+use crate::mesh::selection::Selection;
 use crate::model::{Method, ModelSettings};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -92,6 +93,8 @@ impl RegionPlan {
 #[derive(Clone, Debug)]
 pub struct Condition {
     pub group: String,
+    /// `None`: the group is one of the mesh. Otherwise it is made of what is selected.
+    pub selection: Option<Selection>,
     /// Where it stands in the pipeline.
     pub key: String,
     pub displacement: Option<Displaced>,
@@ -124,6 +127,17 @@ pub struct Probe {
 }
 
 impl Plan {
+    /// The physical groups of the mesh that the pipeline names; some may come more than once.
+    pub fn groups(&self) -> impl Iterator<Item = &str> {
+        let regions = self.regions.iter().flat_map(|region| &region.groups);
+        let conditions = self.conditions.iter();
+        let conditions = conditions
+            .filter(|condition| condition.selection.is_none())
+            .map(|condition| &condition.group);
+        let others = self.cracks.iter().chain(&self.no_fail);
+        regions.chain(conditions).chain(others).map(String::as_str)
+    }
+
     /// Reads and checks a pipeline file. `overrides` are `key=value` with keys such as
     /// `regions.1.spacing`; `results` is where `NAME/` goes, by default `results/` beside the
     /// `pipelines/` folder that holds the file, or beside the file.

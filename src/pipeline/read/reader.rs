@@ -2,6 +2,7 @@
 
 mod conditions;
 mod loading;
+mod positions;
 mod regions;
 
 use super::files::similar_file;

@@ -10,10 +10,10 @@ mod region;
 mod scalar;
 mod sweep;
 
-pub use boundary::{Boundary, Components, Displacement, Gravity};
+pub use boundary::{Boundary, Components, Displacement, Gravity, Position};
 pub use coupling::{Coupling, Truss};
 pub use loading::{Control, Loading, Phase, ReferenceSteps, Until};
-pub use names::Names;
+pub use names::{Name, Names};
 pub use output::{Component, Output, OutputField, Probe};
 pub use pictures::{Format, PictureKind, Pictures};
 pub use region::{Micromodulus, Region, RegionModel};

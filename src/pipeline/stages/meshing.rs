@@ -1,10 +1,13 @@
 //! The geometry to a mesh, by Gmsh or meshio, with their errors at their place in the pipeline.
 
 use super::run::Options;
-use crate::gmsh::{self, Extract, ExtractError, GmshError};
+use super::validate::check_names;
+use crate::gmsh::{self, Extract, ExtractError, GmshError, WHOLE};
+use crate::mesh::Mesh;
 use crate::meshio::{self, MeshioError};
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::Plan;
+use crate::pipeline::read::source::InputError;
 
 pub(crate) fn mesh_geometry(plan: &Plan, options: &Options) -> Result<Extract, RunError> {
     if meshio::reads(&plan.geometry.file) {
@@ -12,10 +15,47 @@ pub(crate) fn mesh_geometry(plan: &Plan, options: &Options) -> Result<Extract, R
     }
     let gmsh = gmsh::Options {
         trust: plan.geometry.trust,
+        groups: plan.groups().map(str::to_owned).collect(),
         ..options.gmsh.clone()
     };
     gmsh::mesh(&plan.geometry.file, &plan.geometry.parameters, &gmsh)
-        .map_err(|error| gmsh_error(plan, error))
+        .map_err(|error| missing_group(plan, &error).unwrap_or_else(|| gmsh_error(plan, error)))
+}
+
+/// The error for a group that the pipeline names and the geometry lacks.
+fn missing_group(plan: &Plan, error: &GmshError) -> Option<RunError> {
+    let GmshError::GroupMissing {
+        available,
+        surfaces,
+        ..
+    } = error
+    else {
+        return None;
+    };
+    if available.iter().all(|(dimension, _)| *dimension != 2) {
+        let error = ExtractError::no_physical_surface(*surfaces, available);
+        return Some(extract_error(plan, &error).into());
+    }
+    let checked = check_names(plan, &with_names(plan, available));
+    checked.err().map(RunError::from)
+}
+
+/// A mesh of which nothing but the names of its groups is known.
+fn with_names(plan: &Plan, groups: &[(u8, String)]) -> Mesh {
+    let mut mesh = Mesh::default();
+    let conditions = plan.conditions.iter();
+    for place in conditions.filter(|condition| condition.selection.is_some()) {
+        mesh.curves.insert(place.group.clone(), Vec::new());
+    }
+    for (dimension, name) in groups {
+        match dimension {
+            0 => drop(mesh.points.insert(name.clone(), Vec::new())),
+            1 => drop(mesh.curves.insert(name.clone(), Vec::new())),
+            2 => drop(mesh.surfaces.insert(name.clone(), Vec::new())),
+            _ => {}
+        }
+    }
+    mesh
 }
 
 fn foreign_mesh(plan: &Plan, options: &Options) -> Result<Extract, RunError> {
@@ -26,7 +66,11 @@ fn foreign_mesh(plan: &Plan, options: &Options) -> Result<Extract, RunError> {
         };
         return Err(gmsh_error(plan, error));
     }
-    meshio::mesh(&plan.geometry.file, &options.meshio).map_err(|error| match error {
+    let meshio = meshio::Options {
+        whole: plan.groups().any(|group| group == WHOLE),
+        ..options.meshio.clone()
+    };
+    meshio::mesh(&plan.geometry.file, &meshio).map_err(|error| match error {
         MeshioError::Unreadable { .. }
         | MeshioError::Unsupported { .. }
         | MeshioError::Convert { .. } => {
@@ -37,7 +81,7 @@ fn foreign_mesh(plan: &Plan, options: &Options) -> Result<Extract, RunError> {
     })
 }
 
-/// Whose fault is it? The user's errors get their place in the pipeline and exit code 2.
+/// Gives the user's errors their place in the pipeline and exit code 2; others stay Gmsh's.
 pub(crate) fn gmsh_error(plan: &Plan, error: GmshError) -> RunError {
     let (key, help) = match &error {
         GmshError::UnknownParameter { name, .. }
@@ -48,7 +92,7 @@ pub(crate) fn gmsh_error(plan: &Plan, error: GmshError) -> RunError {
             Some(name) => (format!("geometry/parameters/{name}"), parameters_help(plan)),
             None => ("geometry/file".to_owned(), script_help(errors)),
         },
-        GmshError::Deed(_) => {
+        GmshError::UnsafeCommand(_) => {
             let help = "remove it; if you know where the file comes from, let it: `--trust-geometry`, or \
                         `trust: true` under `geometry`";
             ("geometry/file".to_owned(), Some(help.to_owned()))
@@ -70,7 +114,7 @@ fn blamed_parameter<'a>(plan: &'a Plan, errors: &[gmsh::Message]) -> Option<&'a 
     words.find_map(|word| plan.geometry.parameters.keys().find(|name| *name == word))
 }
 
-/// What helps with the first of Gmsh's errors.
+/// The help for the first of Gmsh's errors.
 fn script_help(errors: &[gmsh::Message]) -> Option<String> {
     let first = errors.first()?;
     if first.text.starts_with("Unable to open") {
@@ -104,14 +148,15 @@ fn parameters_help(plan: &Plan) -> Option<String> {
 
 pub(crate) fn to_mesh(plan: &Plan, extract: &Extract) -> Result<crate::mesh::Mesh, RunError> {
     let mesh = extract.to_mesh(plan.geometry.unit_in_metres);
-    Ok(mesh.map_err(|error| {
-        let help = match &error {
-            ExtractError::NoPhysicalSurface { .. } => cad_help(plan),
-            _ => None,
-        };
-        let message = error.to_string();
-        plan.source.error("geometry/file", message, help)
-    })?)
+    Ok(mesh.map_err(|error| extract_error(plan, &error))?)
+}
+
+fn extract_error(plan: &Plan, error: &ExtractError) -> InputError {
+    let help = match error {
+        ExtractError::NoPhysicalSurface { .. } => cad_help(plan),
+        _ => None,
+    };
+    plan.source.error("geometry/file", error.to_string(), help)
 }
 
 /// A CAD file cannot name groups.

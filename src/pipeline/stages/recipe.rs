@@ -238,6 +238,8 @@ coupling: { truss: { node_area: half-edge, breakable: true } }
 boundary:
   - { group: top, displacement: { x: 1 mm, y: 2 mm, angle: 3 deg, normal: 4 mm, tangential: 5 mm },
       traction: { x: 1 Pa, y: 2 Pa }, pressure: 3 Pa, force: { x: 1 N }, body_force: { y: 1 N/m^3 }, phase: up }
+  - { where: { x: min, y: 3 mm, box: [[0, 1 mm], [2 mm, 3 mm]], near: [4 mm, 5 mm], between: [[0, 6 mm], [7 mm, 0]],
+      tolerance: 8 mm } }
 gravity: { x: 1 m/s^2, y: -9.81 m/s^2, phase: up }
 loading: { control: equilibrium, steps: 9, until: steps, most_passes: 8, increment: 0.1, to: 7,
            phases: [{ name: up, increment: 0.2, to: 6 }], reference: { first_break: 5, separated: 4 } }

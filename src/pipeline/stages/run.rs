@@ -21,6 +21,7 @@ use crate::pipeline::record::folder::{hash_of, lock, settled, sweep};
 use crate::pipeline::record::stamp::{self, Manifest, Recipe, Stage};
 use crate::pipeline::record::stored::read_stored;
 use crate::pipeline::show::results::Outcome;
+use crate::pipeline::stages::joints::unjoined;
 use crate::pipeline::stages::meshing::{mesh_geometry, to_mesh};
 use crate::pipeline::stages::recipe::recipe;
 use crate::pipeline::stages::validate::discretise;
@@ -73,14 +74,7 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<Option<Summary>, RunError> {
     let _span = options.trace.span(Kind::Run, plan.name.clone());
-    let mut run = Run {
-        plan,
-        options,
-        observer,
-        costs: Costs::default(),
-        kept: BTreeMap::new(),
-        lock: None,
-    };
+    let mut run = Run::new(plan, options, observer);
     sweep(&plan.folder)?;
     let mesh = run.mesh()?;
     if options.until == Stage::Output
@@ -120,7 +114,26 @@ pub fn discretised(plan: &Plan, options: &Options) -> Result<(Model, Boundary, E
     Ok((model, boundary, extract))
 }
 
-/// What the mesh stage has kept, if it is fresh.
+/// The geometry, meshed unless a fresh mesh is there, and checked. A mesh that was made is kept for the run.
+///
+/// # Errors
+/// See [`RunError`].
+pub fn check(
+    plan: &Plan,
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<(Model, Boundary, Extract), RunError> {
+    let mut run = Run::new(plan, options, observer);
+    let mesh = run.mesh()?;
+    let (model, boundary) = run.discretise(&mesh)?;
+    if let Err(error) = run.keep_mesh(&mesh) {
+        let warning = format!("the mesh is not kept for the run: {error}");
+        run.observer.warns(&warning);
+    }
+    Ok((model, boundary, mesh.extract))
+}
+
+/// The mesh that the mesh stage has kept, if it is fresh.
 fn stored_mesh(plan: &Plan) -> Result<Option<Extract>, RunError> {
     let recipe = recipe(plan, Stage::Mesh, &|_| String::new())?;
     let is_fresh = stamp::stale(&plan.folder, Stage::Mesh, &recipe).is_empty();
@@ -139,7 +152,18 @@ struct Run<'a> {
     lock: Option<File>,
 }
 
-impl Run<'_> {
+impl<'a> Run<'a> {
+    fn new(plan: &'a Plan, options: &'a Options, observer: &'a mut dyn Observer) -> Run<'a> {
+        Run {
+            plan,
+            options,
+            observer,
+            costs: Costs::default(),
+            kept: BTreeMap::new(),
+            lock: None,
+        }
+    }
+
     fn recipe(&self, stage: Stage) -> Result<Recipe, RunError> {
         recipe(self.plan, stage, &|name| self.kept[name].clone())
     }
@@ -165,11 +189,15 @@ impl Run<'_> {
     }
 
     fn discretise(&mut self, mesh: &Meshed) -> Result<(Model, Boundary), RunError> {
+        self.warn_of_mesh(&mesh.extract);
         let mut phases = self.phases();
         let (model, boundary) = phases.measure("discretisation", || {
             Ok::<_, RunError>(discretise(self.plan, to_mesh(self.plan, &mesh.extract)?)?)
         })?;
         self.costs.phases.append(phases.list);
+        for sentence in unjoined(self.plan, &model) {
+            self.observer.warns(&sentence);
+        }
         self.warn_of_areas(&model);
         self.warn_of_narrow_regions(&model);
         Ok((model, boundary))

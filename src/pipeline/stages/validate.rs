@@ -1,5 +1,6 @@
 //! A plan and a mesh to the discretisation; what does not fit is told at its key in the pipeline.
 
+use super::{joints, positions};
 use crate::boundary::{Boundary, BoundaryError};
 use crate::cracks::Cracks;
 use crate::fracture::bond_laws::{BondLaws, Breakable};
@@ -16,13 +17,15 @@ use crate::support::{self, NotHeld};
 ///
 /// # Errors
 /// The first thing that does not fit.
-pub fn discretise(plan: &Plan, mesh: Mesh) -> Result<(Model, Boundary), InputError> {
+pub fn discretise(plan: &Plan, mut mesh: Mesh) -> Result<(Model, Boundary), InputError> {
     let mut regions = regions(plan, &mesh)?;
-    let by_default: Vec<bool> = plan.regions.iter().map(|r| r.angle_by_default).collect();
-    model::turn_lattices(&mesh, &mut regions, &by_default);
+    positions::add_groups(plan, &mut mesh, &regions)?;
     check_groups(plan, &mesh)?;
     let cracks = cracks(plan, &mesh)?;
     check_no_fail(plan, &mesh)?;
+    joints::check(plan, &mesh, &regions)?;
+    let by_default: Vec<bool> = plan.regions.iter().map(|r| r.angle_by_default).collect();
+    model::turn_lattices(&mesh, &mut regions, &by_default);
     let model = Model::build(mesh, regions, plan.model).map_err(|e| model_error(plan, &e))?;
     let model = model.with_cracks(&cracks);
     let boundary = programme(plan, &model)?.phases.swap_remove(0).boundary;
@@ -78,6 +81,11 @@ fn boundary(plan: &Plan, model: &Model, phase: usize) -> Result<Boundary, InputE
 }
 
 fn not_held(plan: &Plan, model: &Model, error: &NotHeld) -> InputError {
+    if let Some(unjoined) = joints::unjoined(plan, model).into_iter().next() {
+        return plan
+            .source
+            .error("boundary", error.to_string(), Some(unjoined));
+    }
     let holding = plan
         .conditions
         .iter()
@@ -141,6 +149,17 @@ fn apply(
         boundary.add_body_force(model, group, density)?;
     }
     Ok(())
+}
+
+/// Checks that the groups that the pipeline names are in a mesh, of which the names are enough.
+///
+/// # Errors
+/// The first group that is not.
+pub(super) fn check_names(plan: &Plan, mesh: &Mesh) -> Result<(), InputError> {
+    regions(plan, mesh)?;
+    check_groups(plan, mesh)?;
+    cracks(plan, mesh)?;
+    check_no_fail(plan, mesh)
 }
 
 fn regions(plan: &Plan, mesh: &Mesh) -> Result<Vec<Region>, InputError> {
@@ -210,7 +229,10 @@ fn check_groups(plan: &Plan, mesh: &Mesh) -> Result<(), InputError> {
             } else {
                 format!("there is no physical curve or point `{group}` in {file}")
             };
-            let help = choices(group, boundary_groups(mesh));
+            let help = format!(
+                "{}; or select by position: `where: {{ x: min }}` in place of `group`",
+                choices(group, boundary_groups(mesh))
+            );
             return Err(plan.source.error(
                 &format!("{}/group", condition.key),
                 message,

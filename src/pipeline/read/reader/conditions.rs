@@ -53,6 +53,7 @@ impl Reader<'_> {
             let weight = gravity.map(|g| density * g.unwrap_or(0.0));
             conditions.extend(region.group.0.iter().map(|group| Condition {
                 group: group.clone(),
+                selection: None,
                 key: "gravity".to_owned(),
                 displacement: None,
                 loads: Vec::new(),
@@ -70,6 +71,7 @@ impl Reader<'_> {
     }
 
     fn condition(&self, index: usize, written: &spec::Boundary) -> Result<Condition, InputError> {
+        let (group, selection) = self.place(index, written)?;
         let displacement = written.displacement.as_ref();
         let displacement = displacement
             .map(|written| self.displacement(index, written))
@@ -83,6 +85,11 @@ impl Reader<'_> {
         let force = total("force", &written.force, Dimension::FORCE)?;
         let per_volume = Dimension::FORCE_PER_VOLUME;
         let body_force = total("body_force", &written.body_force, per_volume)?;
+        if body_force.is_some() && selection.is_some() {
+            let message = "a `body_force` acts on surfaces, and `where` selects edges and nodes";
+            let help = "name the surface: `group: NAME`".to_owned();
+            return Err(self.source.error(&key("where"), message, Some(help)));
+        }
         let mut loads = Vec::new();
         if let Some(components) = &written.traction {
             let traction = self.components(&key("traction"), components, Dimension::PRESSURE)?;
@@ -95,7 +102,7 @@ impl Reader<'_> {
         }
         let is_loaded = !loads.is_empty() || force.is_some() || body_force.is_some();
         if displacement.is_none() && !is_loaded {
-            let message = format!("nothing happens at `{}`", written.group);
+            let message = format!("nothing happens at `{group}`");
             let help = "give a `displacement`, a `traction`, a `pressure`, a `force` or, on a \
                         surface, a `body_force`"
                 .to_owned();
@@ -107,10 +114,11 @@ impl Reader<'_> {
         let components = displacement.iter().flat_map(|d| d.components).flatten();
         let moves = components.into_iter().any(|u| u != 0.0);
         let entry = format!("boundary/{index}");
-        let place = format!("at `{}`", written.group);
+        let place = format!("at `{group}`");
         self.check_in_phase(&entry, &place, phase, moves || is_loaded)?;
         Ok(Condition {
-            group: written.group.clone(),
+            group,
+            selection,
             key: entry,
             displacement,
             loads,

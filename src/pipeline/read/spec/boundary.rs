@@ -1,7 +1,6 @@
 //! `boundary` and `gravity`: supports and loads.
 
-use super::Scalar;
-use super::names::{name, name_schema};
+use super::{Name, Scalar};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -11,9 +10,11 @@ use serde::{Deserialize, Serialize};
 pub struct Boundary {
     /// A physical curve or point ([rule](method.md#7-supports-and-loads)); for `body_force` a
     /// surface.
-    #[serde(deserialize_with = "name")]
-    #[schemars(schema_with = "name_schema")]
-    pub group: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub group: Option<Name>,
+    /// Selects edges or nodes of the mesh by position, in place of `group`.
+    #[serde(rename = "where", skip_serializing_if = "Option::is_none")]
+    pub position: Option<Position>,
     /// Prescribed components; the others are free. Unit: m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Displacement>,
@@ -33,6 +34,34 @@ pub struct Boundary {
     /// it: a support in all phases.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<String>,
+}
+
+/// A place by its coordinates: `x`, `y` or both, or one of the other ways. Edges of the outline that lie there
+/// are taken; where there are none, inner edges, and then single nodes.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Position {
+    /// `min` or `max`, the smallest or the largest x of the body; or a coordinate. With `y` the corner of both.
+    /// Unit: m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x: Option<Scalar>,
+    /// `min` or `max`, the smallest or the largest y of the body; or a coordinate. Unit: m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y: Option<Scalar>,
+    /// Everything in a rectangle, given by two opposite corners: `[[0 mm, 0 mm], [10 mm, 2 mm]]`. Unit: m.
+    #[serde(rename = "box", skip_serializing_if = "Option::is_none")]
+    pub rectangle: Option<[[Scalar; 2]; 2]>,
+    /// The node nearest to a point `[20 mm, 10 mm]`; in a peridynamic region the point itself. Unit: m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub near: Option<[Scalar; 2]>,
+    /// The outline from one of its nodes to another, the shorter way round: `[[0 mm, 0 mm], [0 mm, 5 mm]]`.
+    /// Unit: m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub between: Option<[[Scalar; 2]; 2]>,
+    /// Distance within which a coordinate counts as the one given. Default: a millionth of the body's larger
+    /// side. Unit: m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<Scalar>,
 }
 
 /// A vector in fixed directions, in the unit of its key. Components without a value are 0.

@@ -6,7 +6,23 @@ use std::borrow::Cow;
 use std::fmt;
 
 /// A physical group: one without a name goes by its number.
-struct Name(String);
+#[derive(Clone, Debug, Serialize)]
+#[serde(transparent)]
+pub struct Name(pub String);
+
+impl JsonSchema for Name {
+    fn schema_name() -> Cow<'static, str> {
+        "Name".into()
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": ["string", "integer"] })
+    }
+}
 
 impl<'de> Deserialize<'de> for Name {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Name, D::Error> {
@@ -30,15 +46,6 @@ impl<'de> Deserialize<'de> for Name {
     }
 }
 
-pub(super) fn name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
-    Name::deserialize(deserializer).map(|Name(name)| name)
-}
-
-/// A name, or the number of a group without one.
-pub(super) fn name_schema(_: &mut SchemaGenerator) -> Schema {
-    json_schema!({ "type": ["string", "integer"] })
-}
-
 /// One name or a list of them.
 #[derive(Clone, Debug, Serialize)]
 #[serde(transparent)]
@@ -53,7 +60,7 @@ impl JsonSchema for Names {
         json_schema!({
             "oneOf": [
                 { "type": ["string", "integer"] },
-                { "type": "array", "items": name_schema(generator), "minItems": 1 }
+                { "type": "array", "items": Name::json_schema(generator), "minItems": 1 }
             ]
         })
     }

@@ -49,10 +49,6 @@ impl Run<'_> {
             false => "gmsh",
         };
         let extract = phases.measure(program, || mesh_geometry(self.plan, self.options))?;
-        for warning in &extract.warnings {
-            let program = &extract.origin.program;
-            self.observer.warns(&format!("{program}: {warning}"));
-        }
         let bytes = encode(&extract);
         self.kept.insert(MESH_FILE, stamp::hash(&bytes));
         self.costs.phases.append(phases.list.clone());

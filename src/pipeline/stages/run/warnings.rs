@@ -2,6 +2,7 @@
 
 use super::Run;
 use crate::coupling::Coupling;
+use crate::gmsh::Extract;
 use crate::model::{Method, Model};
 use crate::pipeline::show::results::lattice_name;
 
@@ -9,7 +10,24 @@ use crate::pipeline::show::results::lattice_name;
 /// nodes are.
 const AREA_WARNING: f64 = 1e-6;
 
+/// Warnings of one program beyond these are counted: a mesher can have thousands.
+const MOST_MESH_WARNINGS: usize = 5;
+
 impl Run<'_> {
+    /// The warnings of the program that made or read the mesh.
+    pub(super) fn warn_of_mesh(&mut self, extract: &Extract) {
+        let program = &extract.origin.program;
+        for warning in extract.warnings.iter().take(MOST_MESH_WARNINGS) {
+            self.observer.warns(&format!("{program}: {warning}"));
+        }
+        let more = extract.warnings.len().saturating_sub(MOST_MESH_WARNINGS);
+        if more > 0 {
+            let plural = if more == 1 { "" } else { "s" };
+            self.observer
+                .warns(&format!("{program}: {more} more warning{plural}"));
+        }
+    }
+
     pub(super) fn warn_of_areas(&mut self, model: &Model) {
         // Where cells go on behind the interface, their areas need not sum to the region's.
         let is_truss = matches!(model.settings.coupling, Coupling::Truss(_));

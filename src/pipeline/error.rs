@@ -37,7 +37,7 @@ pub enum RunError {
         source: io::Error,
     },
     /// The results up to this step have been written.
-    #[error("the run stopped behind step {step}: {reason}")]
+    #[error("the run stopped after step {step}: {reason}")]
     Stopped {
         step: usize,
         reason: String,

@@ -1,4 +1,4 @@
-//! What the stages keep on the disk between and during runs, and how it is read back.
+//! Files that the stages keep between and during runs, and their readers.
 
 pub mod checkpoint;
 pub mod folder;

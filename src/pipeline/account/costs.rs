@@ -1,4 +1,4 @@
-//! What a run costs: times of its phases, bytes of its files, memory. A stage's manifest keeps its share for
+//! Costs of a run: times of its phases, bytes of its files, memory. A stage's manifest keeps its share for
 //! the summary of a later run, which finds the stage fresh.
 
 use super::summary::{CostSummary, FilesSummary, MemorySummary, PhaseSummary, WrittenSummary};

@@ -79,7 +79,7 @@ pub struct Sizes {
     pub clipped_bonds: usize,
     pub dofs: usize,
     pub stiffness_entries: usize,
-    /// How the system was solved, in words.
+    /// Solver of the system, in words.
     pub method: String,
     pub factor_entries: usize,
 }
@@ -95,7 +95,7 @@ pub struct LatticeSummary {
     pub region_area_m2: f64,
 }
 
-/// Where finite elements and material points meet.
+/// An interface of finite elements and material points.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct InterfaceSummary {
     pub finite_elements: String,
@@ -116,7 +116,7 @@ pub struct ProbeSummary {
     pub error: Option<f64>,
 }
 
-/// What a run has cost.
+/// Times, files and memory of a run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CostSummary {
     /// One after the other: they sum to `seconds`.
@@ -138,7 +138,7 @@ pub struct PhaseSummary {
     pub share: f64,
 }
 
-/// What went to the disk.
+/// Files on the disk.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct WrittenSummary {
     pub vtu: FilesSummary,

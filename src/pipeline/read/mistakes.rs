@@ -1,5 +1,5 @@
-//! What is no pipeline in a YAML document, by the schema of the types that read it: messages with the
-//! user's words and the key that they concern, whatever the reader's own messages are.
+//! Mistakes in a YAML document, found by the schema of the types that read it. A message has the user's
+//! words and the key that it concerns, whatever the reader's own messages are.
 
 use super::removed::RemovedWord;
 use super::source::{InputError, Source, choices, quoted};
@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 
 static SCHEMA: LazyLock<Schema> = LazyLock::new(|| schema_for!(Spec).to_value());
 
-/// How scalars are read.
+/// Form of the scalars that are checked.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Strictness {
     /// From the text, where `5` may be a name.

@@ -1,4 +1,4 @@
-//! How deep a YAML text is nested. The reader that keeps lines and columns goes down by recursion, without
+//! Depth of nesting of a YAML text. The reader that keeps lines and columns goes down by recursion, without
 //! end; the one that fills our data stops at 128, and so is asked first.
 
 use serde::de::{

@@ -37,7 +37,7 @@ pub struct Plan {
     pub loading: Option<Loading>,
     pub probes: Vec<Probe>,
     pub output: spec::Output,
-    /// What was written, with the defaults filled in.
+    /// The file as it was written, with the defaults filled in.
     pub spec: Spec,
     pub source: Source,
 }
@@ -63,7 +63,7 @@ pub struct RegionPlan {
     pub angle_by_default: bool,
 }
 
-/// How the load grows while bonds break.
+/// Growth of the load while bonds break.
 #[derive(Clone, Debug)]
 pub struct Loading {
     pub control: Control,
@@ -89,7 +89,7 @@ impl RegionPlan {
     }
 }
 
-/// What happens at one group.
+/// Support and loads of one group.
 #[derive(Clone, Debug)]
 pub struct Condition {
     pub group: String,

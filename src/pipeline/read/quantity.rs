@@ -46,7 +46,7 @@ impl Dimension {
         }
     }
 
-    /// What this is called.
+    /// Name of the dimension.
     pub fn name(self) -> String {
         match NAMES.iter().find(|(dimension, ..)| *dimension == self) {
             Some((_, name, ..)) => (*name).to_owned(),
@@ -54,7 +54,7 @@ impl Dimension {
         }
     }
 
-    /// As one writes it.
+    /// An example of such a quantity.
     pub fn example(self) -> &'static str {
         let known = NAMES.iter().find(|(dimension, ..)| *dimension == self);
         known.map_or("1", |(.., example)| example)

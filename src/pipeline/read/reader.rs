@@ -119,7 +119,7 @@ impl Reader<'_> {
         self.spec.materials.iter().map(material).collect()
     }
 
-    /// What breaks the bonds of a material: its strengths, or its energy release rate.
+    /// The strength of a material's bonds: its strengths, or its energy release rate.
     fn strength(&self, name: &str) -> Result<Option<Strength>, InputError> {
         let written = &self.spec.materials[name];
         let key = |field: &str| format!("materials/{name}/{field}");

@@ -56,7 +56,7 @@ impl Checkpoint {
         }
     }
 
-    /// Whether it can be a state of this problem, behind these lines.
+    /// Whether it can be a state of this problem, after these lines.
     pub fn fits(&self, problem: &Problem, lines: &[HistoryLine]) -> bool {
         let Problem {
             model, programme, ..

@@ -55,7 +55,7 @@ pub(crate) fn header(supports: &Boundary) -> String {
     header
 }
 
-/// As RFC 4180 has it.
+/// A cell as in RFC 4180.
 pub(crate) fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", text.replace('"', "\"\""))

@@ -15,7 +15,7 @@ pub struct Solved {
     pub solution: Solution,
     /// Integrity of every interaction in it.
     pub integrity: SparseIntegrity,
-    /// How a fracture run got there.
+    /// The fracture run that led there.
     pub fracture: Option<FractureRun>,
 }
 

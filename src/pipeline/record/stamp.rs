@@ -47,7 +47,7 @@ impl fmt::Display for Stage {
     }
 }
 
-/// What a stage was made from.
+/// Settings and inputs from which a stage was made.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Recipe {
     version: u32,
@@ -77,7 +77,7 @@ impl Recipe {
         }
     }
 
-    /// What is different now, one line each.
+    /// Differences from the recipe `now`, one line each.
     fn differences(&self, now: &Recipe) -> Vec<String> {
         let mut lines = Vec::new();
         if self.version != now.version {
@@ -132,7 +132,7 @@ pub struct Manifest {
     pub recipe: Option<Recipe>,
     /// File in the results folder → hash of its content.
     pub outputs: BTreeMap<String, String>,
-    /// What the stage took. Here, and not in the outputs, so that equal work gives equal bytes.
+    /// Costs of the stage. They stand here, and not in the outputs, so that equal work gives equal bytes.
     #[serde(default)]
     pub costs: Costs,
 }

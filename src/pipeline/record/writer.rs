@@ -1,6 +1,6 @@
-//! History, frames and checkpoints go to the disk behind the solve, on a thread of their own, in the
-//! order in which they were handed over: what a killed run leaves is what it would have left if the
-//! solve had waited for every write, up to some moment.
+//! History, frames and checkpoints are written on a thread of their own, in the order in which the solve
+//! hands them over: a killed run leaves the files that it would have left if the solve had waited for every
+//! write, up to some step.
 
 use super::checkpoint::{Checkpoint, RecordHash};
 use super::folder::{file_error, remove};
@@ -37,9 +37,9 @@ pub(crate) struct StepRecord {
     pub checkpoint: Option<Box<Checkpoint>>,
 }
 
-/// The end of the queue at which orders are given.
+/// Hands the records of steps to the thread that writes them.
 pub(crate) struct RecordWriter<'scope> {
-    orders: SyncSender<StepRecord>,
+    records: SyncSender<StepRecord>,
     thread: ScopedJoinHandle<'scope, Result<WrittenRecord, RunError>>,
 }
 
@@ -50,14 +50,14 @@ pub(crate) struct WrittenRecord {
 }
 
 impl<'scope> RecordWriter<'scope> {
-    /// Goes on behind what the files hold, and `record_hash` knows.
+    /// Appends to the files, of which `record_hash` is the hash so far.
     pub fn start(
         scope: &'scope Scope<'scope, '_>,
         folder: &Path,
         record_hash: RecordHash,
         trace: Trace,
     ) -> Result<RecordWriter<'scope>, RunError> {
-        let desk = WriterThread {
+        let data = WriterThread {
             folder: folder.to_owned(),
             record_hash,
             history: Appended::open(folder.join(HISTORY_FILE))?,
@@ -67,25 +67,25 @@ impl<'scope> RecordWriter<'scope> {
                 phases: Phases::traced(trace),
             },
         };
-        let (orders, queue) = sync_channel(MOST_WAITING);
+        let (records, queue) = sync_channel(MOST_WAITING);
         let thread = Builder::new().name("writer".to_owned());
-        let thread = thread.spawn_scoped(scope, move || desk.work(&queue));
+        let thread = thread.spawn_scoped(scope, move || data.work(&queue));
         let thread = thread.map_err(|source| file_error("write to", folder, source))?;
-        Ok(RecordWriter { orders, thread })
+        Ok(RecordWriter { records, thread })
     }
 
-    /// Hands an order over. `false`: the thread has met an error, which [`RecordWriter::finish`] tells.
+    /// Hands a record over. `false`: the thread has met an error, which [`RecordWriter::finish`] returns.
     #[must_use]
-    pub fn give(&self, order: StepRecord) -> bool {
-        self.orders.send(order).is_ok()
+    pub fn give(&self, record: StepRecord) -> bool {
+        self.records.send(record).is_ok()
     }
 
     /// Waits until everything is on the disk.
     ///
     /// # Errors
-    /// What could not be written first; nothing after it has been.
+    /// The first file that could not be written; nothing after it has been.
     pub fn finish(self) -> Result<WrittenRecord, RunError> {
-        drop(self.orders);
+        drop(self.records);
         match self.thread.join() {
             Ok(written) => written,
             Err(panic) => std::panic::resume_unwind(panic),
@@ -93,7 +93,7 @@ impl<'scope> RecordWriter<'scope> {
     }
 }
 
-/// The thread's own.
+/// Data of the writing thread.
 struct WriterThread {
     folder: PathBuf,
     record_hash: RecordHash,
@@ -104,14 +104,14 @@ struct WriterThread {
 
 impl WriterThread {
     fn work(mut self, queue: &Receiver<StepRecord>) -> Result<WrittenRecord, RunError> {
-        for order in queue {
-            self.write(order)?;
+        for record in queue {
+            self.write(record)?;
         }
         Ok(self.written)
     }
 
     /// A checkpoint comes last: it counts on the lines and the frames before it.
-    fn write(&mut self, order: StepRecord) -> Result<(), RunError> {
+    fn write(&mut self, record: StepRecord) -> Result<(), RunError> {
         let WriterThread {
             folder,
             record_hash,
@@ -119,7 +119,7 @@ impl WriterThread {
             journal,
             written: WrittenRecord { frames, phases },
         } = self;
-        if let Some((text, line)) = &order.line {
+        if let Some((text, line)) = &record.line {
             phases.measure("history", || {
                 history.add(format!("{text}\n").as_bytes())?;
                 let bytes = encode(line);
@@ -127,7 +127,7 @@ impl WriterThread {
                 journal.add(&bytes)
             })?;
         }
-        if let Some(frame) = &order.frame {
+        if let Some(frame) = &record.frame {
             let trace = phases.trace().clone();
             let write = || {
                 WrittenFile::measured(frame_file(frame.step), &trace, |name| {
@@ -139,7 +139,7 @@ impl WriterThread {
             };
             frames.push(phases.measure("frames", write)?);
         }
-        if let Some(mut checkpoint) = order.checkpoint {
+        if let Some(mut checkpoint) = record.checkpoint {
             checkpoint.record_hash = record_hash.close();
             let path = folder.join(CHECKPOINT_FILE);
             phases.measure("checkpoints", || {

@@ -103,7 +103,7 @@ fn thinned(steps: &[usize], most: usize) -> Vec<usize> {
     (0..most).map(|k| steps[place(k)]).collect()
 }
 
-/// What all pictures share.
+/// Scale and bounds that all pictures share.
 struct View {
     exaggeration: Option<f64>,
     /// Corners of the box around all of them [m].

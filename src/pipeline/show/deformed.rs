@@ -39,7 +39,7 @@ impl<'a> Deformed<'a> {
         }
     }
 
-    /// Where a node is seen [m].
+    /// Position of a node in the picture [m].
     pub fn moved(&self, node: usize) -> [f64; 2] {
         let scale = self.exaggeration.unwrap_or(0.0);
         let [x, u] = [self.model.positions[node], self.displacement[node]];

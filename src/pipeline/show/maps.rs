@@ -9,7 +9,7 @@ use crate::output::picture::FieldPicture;
 use crate::pipeline::read::plan::Plan;
 use crate::pipeline::record::frames::Frame;
 
-/// What a stress map shows of σ.
+/// The component or invariant of σ that a stress map shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Measure {
     Xx,
@@ -44,7 +44,7 @@ impl Measure {
         }
     }
 
-    /// What the reader of a report calls it.
+    /// Caption in a report.
     pub fn describe(self) -> &'static str {
         match self {
             Measure::Xx => "Stress σ_xx",

@@ -24,9 +24,9 @@ pub(crate) enum ResultPicture {
     Mesh,
     /// A component of the displacement, of the frame with the largest reaction.
     Displacement(usize),
-    /// Of that frame as well.
+    /// A stress of that frame.
     Stress(Measure),
-    /// Of the last state.
+    /// Damage of the last state.
     Damage,
     /// At a step that the pipeline names.
     DamageAt(usize),
@@ -51,7 +51,7 @@ impl ResultPicture {
         }
     }
 
-    /// What the reader of a report calls it.
+    /// Caption in a report.
     pub fn describe(self) -> String {
         match self {
             ResultPicture::Mesh => "Mesh and regions".to_owned(),
@@ -197,7 +197,7 @@ impl Outcome<'_> {
         course.frames.iter().copied().filter(wanted).collect()
     }
 
-    /// What to say of steps in `output.pictures_at` that the run has not come to.
+    /// A note about steps in `output.pictures_at` that the run has not reached.
     pub(crate) fn missing_pictures(&self) -> Option<String> {
         let course = self.solved.fracture.as_ref();
         let frames = course.map_or(&[][..], |course| &course.frames);
@@ -218,7 +218,7 @@ impl Outcome<'_> {
     }
 }
 
-/// Of the steps with a frame that with the largest reaction.
+/// The step with the largest reaction among those with a frame.
 fn most_loaded_step(course: &FractureRun) -> Option<usize> {
     let framed =
         |line: &&crate::pipeline::record::history::HistoryLine| course.frames.contains(&line.step);

@@ -28,7 +28,7 @@ const LARGEST_SCRIPT: u64 = 200_000;
 const MOST_FRAMES: usize = 2_500_000;
 /// Points of the chart that can be pointed at.
 const MOST_POINTS: usize = 1000;
-/// Of the summary, what differs from run to run, or has a place of its own.
+/// Keys of the summary that differ from run to run, or have a place of their own.
 const LEFT_OUT: [&str; 9] = [
     "pipeline",
     "phases",

@@ -28,12 +28,12 @@ use recorder::Recorder;
 use std::thread;
 use std::time::Instant;
 
-/// What to run, and how.
+/// The run and its settings.
 pub(crate) struct Task<'a> {
     pub plan: &'a Plan,
     pub loading: &'a Loading,
     pub model: &'a Model,
-    /// What the solve stage is made from.
+    /// Recipe of the solve stage.
     pub recipe: &'a str,
     pub resolution: Resolution,
 }
@@ -122,7 +122,7 @@ pub(crate) fn run(
     })
 }
 
-/// Where the run is.
+/// Position of the run, for the observer.
 fn step(problem: &Problem, line: &HistoryLine, steps_per_second: f64) -> Step {
     let phases = &problem.programme.phases;
     let phase = match phases.len() {

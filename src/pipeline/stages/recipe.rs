@@ -1,4 +1,4 @@
-//! What a stage is made from: the settings that it reads, in canonical form, and its inputs' hashes.
+//! The recipe of a stage: the settings that it depends on, in canonical form, and its inputs' hashes.
 
 use super::meshing::gmsh_error;
 use super::run::{MESH_FILE, SOLUTION_FILE};
@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What a stage would be made from now. `kept`: the hash of a file that an earlier stage delivers.
+/// The recipe of a stage as of now. `kept` gives the hash of a file that an earlier stage delivers.
 pub(crate) fn recipe(
     plan: &Plan,
     stage: Stage,

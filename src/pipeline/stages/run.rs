@@ -33,14 +33,14 @@ use std::fs::File;
 
 pub use observer::{Observer, Step};
 
-/// What to run.
+/// Settings of a run.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// The last stage to run.
     pub until: Stage,
     /// Run every stage, stale or not.
     pub force: bool,
-    /// How a fracture run finds its responses.
+    /// Method by which a fracture run finds its responses.
     pub resolution: Resolution,
     pub gmsh: gmsh::Options,
     pub meshio: meshio::Options,
@@ -145,7 +145,7 @@ struct Run<'a> {
     plan: &'a Plan,
     options: &'a Options,
     observer: &'a mut dyn Observer,
-    /// Of all stages so far, those included that an earlier run has done.
+    /// Costs of all stages so far, those included that an earlier run has done.
     costs: Costs,
     /// Hashes of what the stages of this run have delivered, on disk now or soon.
     kept: BTreeMap<&'static str, String>,
@@ -203,7 +203,7 @@ impl<'a> Run<'a> {
         Ok((model, boundary))
     }
 
-    /// What a stage took when it was done.
+    /// Adds the costs that a fresh stage had when it ran.
     fn restore(&mut self, stage: Stage) {
         if let Some(manifest) = stamp::read(&self.plan.folder, stage) {
             self.costs.append(manifest.costs);

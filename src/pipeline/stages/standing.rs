@@ -1,11 +1,11 @@
-//! Which stages are fresh.
+//! Freshness of the stages.
 
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::Plan;
 use crate::pipeline::record::stamp::{self, Reasons, Stage};
 use crate::pipeline::stages::recipe::recipe;
 
-/// How a stage's result stands.
+/// State of a stage's result.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Standing {
     Fresh,
@@ -14,7 +14,7 @@ pub enum Standing {
     After(Stage),
 }
 
-/// How the stages stand, without running or writing anything.
+/// State of every stage; nothing is run or written.
 ///
 /// # Errors
 /// An unreadable geometry.

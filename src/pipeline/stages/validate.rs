@@ -35,7 +35,7 @@ pub fn discretise(plan: &Plan, mut mesh: Mesh) -> Result<(Model, Boundary), Inpu
     Ok((model, boundary))
 }
 
-/// What the body is loaded with.
+/// Supports and loads of the body.
 ///
 /// # Errors
 /// A condition that does not fit the mesh, or another condition.

@@ -15,10 +15,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 pub const TABLE_FILE: &str = "sweep.csv";
-/// What the runs print, a file for each.
+/// Folder of the runs' output, a file for each.
 pub const LOG_FOLDER: &str = "logs";
 
-/// How a run of a study stands.
+/// State of a run of a study.
 #[derive(Clone, Debug)]
 pub struct Row {
     pub status: Status,
@@ -42,7 +42,7 @@ pub enum Status {
     Missing,
 }
 
-/// Where a run's messages go.
+/// File of a run's messages.
 pub fn log_file(study: &Study, run: &Run) -> PathBuf {
     study
         .folder
@@ -50,7 +50,7 @@ pub fn log_file(study: &Study, run: &Run) -> PathBuf {
         .join(format!("{}.txt", run.name))
 }
 
-/// What there is of a run: results count only if they are of today's pipeline and geometry.
+/// Results of a run: they count only if they are of today's pipeline and geometry.
 ///
 /// # Errors
 /// An unreadable geometry.
@@ -175,7 +175,7 @@ fn cell(value: Option<&Value>) -> String {
     }
 }
 
-/// What the charts of fracture runs show.
+/// Result that the charts of fracture runs show.
 const PEAK: &str = "peak_reaction_n";
 
 /// More curves than this cannot be told apart.

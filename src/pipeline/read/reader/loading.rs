@@ -141,7 +141,7 @@ impl Reader<'_> {
         found.ok_or_else(unknown)
     }
 
-    /// Where there are phases, what is no support belongs to one.
+    /// Checks that a load belongs to a phase if the loading has any.
     pub(super) fn check_in_phase(
         &self,
         key: &str,

@@ -7,7 +7,7 @@ use serde_json::json;
 /// Reactions below this share of the largest are what rounding leaves of zero.
 const ROUNDING: f64 = 1e-9;
 
-/// How the run ended, and the versions.
+/// Ending of the run, and the versions.
 pub(super) fn headline(summary: &Summary) -> String {
     let version = |program: &str| summary.versions.get(program).map_or("", String::as_str);
     format!(

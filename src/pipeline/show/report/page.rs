@@ -15,7 +15,7 @@ const SCRIPT: &str = include_str!("page.js");
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     pub title: String,
-    /// How it ended, in a line.
+    /// Ending of the run, in a line.
     pub outcome: String,
     /// Name, value.
     pub numbers: Vec<[String; 2]>,

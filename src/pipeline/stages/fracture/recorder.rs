@@ -15,7 +15,7 @@ use crate::statics::{Solution, Solver};
 use crate::trace::Trace;
 use std::time::Instant;
 
-/// Hands history, frames and checkpoints over to the threads behind the solve.
+/// Hands history, frames and checkpoints over to the thread that writes them.
 pub(super) struct Recorder<'a, 'scope> {
     pub journal: RunJournal<'a>,
     /// Until it meets an error, or the end.
@@ -85,7 +85,7 @@ impl<'a, 'scope> Recorder<'a, 'scope> {
         Ok(())
     }
 
-    /// The state behind the last step.
+    /// The state after the last step.
     pub fn end(&mut self, state: &State) -> Result<(), RunError> {
         let frame = self.journal.frame(state);
         self.give(StepRecord {

@@ -1,11 +1,11 @@
-//! Who is told of a run's progress, and of what.
+//! The observer of a run's progress.
 
 use crate::pipeline::record::stamp::Stage;
 use serde::Serialize;
 use std::fmt;
 use std::time::Duration;
 
-/// Told of what happens while it happens.
+/// Receives the events of a run as they happen.
 pub trait Observer {
     fn starts(&mut self, stage: Stage);
     fn ends(&mut self, stage: Stage, what: &str, time: Duration);

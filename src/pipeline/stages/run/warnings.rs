@@ -1,4 +1,4 @@
-//! What is no error, and yet to be told.
+//! Warnings about a model that can be computed.
 
 use super::Run;
 use crate::coupling::Coupling;
@@ -29,7 +29,7 @@ impl Run<'_> {
     }
 
     pub(super) fn warn_of_areas(&mut self, model: &Model) {
-        // Where cells go on behind the interface, their areas need not sum to the region's.
+        // Where cells extend beyond the interface, their areas need not sum to the region's.
         let is_truss = matches!(model.settings.coupling, Coupling::Truss(_));
         let points = model.points.iter().filter(|_| is_truss);
         for points in points {

@@ -28,7 +28,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Quasi-static fracture in two dimensions: peridynamics stitched into finite elements.
+/// Quasi-static fracture in two dimensions by a hybrid of peridynamics and finite elements.
 #[derive(Parser)]
 #[command(version, arg_required_else_help = true, after_help = EXAMPLES)]
 struct Cli {
@@ -56,8 +56,8 @@ Examples:
   peristitch run p.yaml --set regions.1.horizon=3
   peristitch run p.yaml --json | jq -r 'select(.event == \"step\") | .load_factor'
 
-Progress goes to standard error, a line per stage, and the step that the run is at where a person watches;
-results go to standard output.";
+Progress goes to standard error: one line per stage, and the current step if it is a terminal. Results go to
+standard output.";
 
 const COMPLETIONS_HELP: &str = "\
 Examples:
@@ -69,22 +69,22 @@ const WATCH_HELP: &str = "\
 Example: open both files in an editor, the picture in a viewer, and
   peristitch watch pipelines/plate_mode_i.yaml --set regions.1.spacing='1 mm'
 
-A save while a run goes stops it and starts another one. Errors are shown, and the next save runs again.
+A save during a run stops that run and starts another one. Errors are shown, and the next save runs again.
 Ctrl-C ends it with exit code 130; the results are then those of the last finished run, or a run that
 the same command continues.";
 
 #[derive(Subcommand)]
 enum Command {
-    /// Write NAME.geo and NAME.yaml, a plate that runs, to begin with
+    /// Write NAME.geo and NAME.yaml: a plate to start from
     New {
-        /// Such as my_plate, or studies/my_plate
+        /// A name such as my_plate, or studies/my_plate
         #[arg(value_name = "NAME")]
         name: PathBuf,
     },
     /// Run every stage that is stale: mesh, solve, output
     #[command(after_help = RUN_HELP)]
     Run(run::RunArguments),
-    /// Run, and run again whenever the YAML, the .geo or what it includes is saved
+    /// Run, and run again after every save of the YAML, the .geo or an included file
     #[command(after_help = WATCH_HELP)]
     Watch {
         #[command(flatten)]
@@ -93,7 +93,7 @@ enum Command {
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
         threads: Option<u16>,
     },
-    /// Validate, and print sizes and the memory and time to expect; writes nothing
+    /// Validate, and print sizes and the expected memory and time; writes nothing
     Check {
         #[command(flatten)]
         common: Common,
@@ -104,11 +104,11 @@ enum Command {
     Status(Common),
     /// Print why stages are stale
     Explain(Common),
-    /// Show the results in ParaView, prepared: deformed shape, damage, mesh; or draw them into a PNG file
+    /// Open the results in ParaView with deformed shape, damage and mesh, or write a PNG file
     View {
         #[command(flatten)]
         common: Common,
-        /// Draw a picture instead, by pvpython or by VTK's Python package
+        /// Write a picture instead, by pvpython or by VTK's Python package
         #[arg(long, value_name = "FILE")]
         png: Option<PathBuf>,
         /// The step of a fracture run to draw, one that has a frame [default: the last]
@@ -122,9 +122,9 @@ enum Command {
     Sweep(study::SweepArguments),
     /// Write the runs of a study as a Makefile or a Snakefile
     Plan(study::PlanArguments),
-    /// Measure what the program gets right, here and now, against references; some minutes
+    /// Measure the verification table against its references; takes some minutes
     Verify {
-        /// Only the cases that take a second or so
+        /// Only the cases that take about a second
         #[arg(long)]
         quick: bool,
         /// Print JSON
@@ -140,7 +140,7 @@ enum Command {
         #[arg(long)]
         markdown: bool,
     },
-    /// Print what a shell needs to complete commands and options
+    /// Print the completions of commands and options for a shell
     #[command(after_help = COMPLETIONS_HELP)]
     Completions {
         #[arg(value_enum)]
@@ -159,16 +159,16 @@ struct Common {
     /// Set a value of the pipeline, such as regions.1.horizon=3; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    /// Where NAME/ goes [default: results/ beside pipelines/, or beside the file]
+    /// The folder for NAME/ [default: results/ beside pipelines/, or beside the file]
     #[arg(long, value_name = "FOLDER")]
     results: Option<PathBuf>,
-    /// Let the .geo run programs and write files: short for --set geometry.trust=true
+    /// Let the .geo run programs and write files: the same as --set geometry.trust=true
     #[arg(long)]
     trust_geometry: bool,
 }
 
 impl Common {
-    /// What `--set`, and what is short for it, sets.
+    /// The values of `--set`, and of the options that are short for it.
     fn overrides(&self) -> Vec<String> {
         let mut overrides = self.overrides.clone();
         if self.trust_geometry {

@@ -31,13 +31,13 @@ pub(super) struct RunArguments {
     /// Run every stage, stale or not
     #[arg(long)]
     force: bool,
-    /// Say what would run, and run nothing
+    /// Print what would run, and run nothing
     #[arg(long)]
     dry_run: bool,
     /// Number of threads; the results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Factorise anew whenever bonds have broken: slow, to check the fast way against
+    /// Factorise for every response: slow, to check the updates against
     #[arg(long, conflicts_with_all = ["solver", "iterative_solver"])]
     reference_solver: bool,
     #[command(flatten)]
@@ -51,7 +51,7 @@ pub(super) struct RunArguments {
     /// Print a line of JSON for each stage, step, warning, error and the end, and nothing else
     #[arg(long, conflicts_with_all = ["brief", "verbose", "dry_run"])]
     json: bool,
-    /// Print why stages run, and what the time went into
+    /// Print why stages run, and the time of each phase
     #[arg(short, long)]
     verbose: bool,
     /// End when standard input ends: with the process that started this one

@@ -29,16 +29,16 @@ A run that is fresh does not run again; one that failed is tried again.";
 pub(super) struct SweepArguments {
     #[command(flatten)]
     common: Common,
-    /// Runs at a time [default: one for each processor]; fewer go where memory is short
+    /// Runs at a time [default: one for each processor]; fewer if memory is short
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
     /// Only this run; repeatable
     #[arg(long, value_name = "RUN")]
     only: Vec<String>,
-    /// Run nothing: list the runs and how they stand
+    /// Run nothing: list the runs and their state
     #[arg(long, conflicts_with = "collect")]
     list: bool,
-    /// Run nothing: write the table of what there is
+    /// Run nothing: write the table of the results so far
     #[arg(long)]
     collect: bool,
     /// Run every stage, stale or not
@@ -53,7 +53,7 @@ pub(super) struct PlanArguments {
     /// Write a Makefile
     #[arg(long, value_name = "FILE", required_unless_present = "snakemake")]
     make: Option<PathBuf>,
-    /// Write a Snakefile; meshes every run to tell its memory
+    /// Write a Snakefile; meshes every run to estimate its memory
     #[arg(long, value_name = "FILE")]
     snakemake: Option<PathBuf>,
     /// Threads of each run

@@ -10,14 +10,15 @@ help:
 	@echo 'make run    set up what is missing, build, run PIPELINE=$(PIPELINE)'
 	@echo '            (another one: make run PIPELINE=pipelines/x.yaml; options for `peristitch run`: ARGS=...)'
 	@echo 'make test   set up what is missing, build, run all tests'
-	@echo 'make setup  set up everything that the two need, and check it'
+	@echo 'make setup  set up everything for both, and check it'
 	@echo 'make bench  benchmarks'
-	@echo 'make bench-solvers  the linear solver beside CHOLMOD, MUMPS and MKL PARDISO, which this installs; half an hour'
-	@echo 'make audit  licences, sources and doubles of all that is linked, by cargo-deny'
-	@echo 'make fuzz   coverage-guided fuzzing of all that is read; SECONDS_EACH=600'
+	@echo 'make bench-solvers  compare the linear solver with CHOLMOD, MUMPS and MKL PARDISO, which it installs; half an hour'
+	@echo 'make audit  check licences, sources and duplicates of all dependencies, by cargo-deny'
+	@echo 'make fuzz   coverage-guided fuzzing of all readers; SECONDS_EACH=600'
 	@echo 'make sanitize  tests under the address sanitizer'
-	@echo 'make hashes  the hashes of the Python packages, after a change of their versions'
-	@echo 'make lint   formatting, clippy and documentation without a warning'
+	@echo 'make reliability  hostile input, kills and repeats in large numbers; half an hour'
+	@echo 'make hashes  write the hashes of the Python packages, after a change of their versions'
+	@echo 'make lint   check formatting, clippy and documentation'
 
 run:
 	@bash .ci/setup run
@@ -53,7 +54,7 @@ hashes:
 		uv pip compile --quiet --universal --no-deps --generate-hashes --no-header --no-annotate \
 		--python-version 3.11 - >> tests/python/hashes.txt
 
-# Minutes to an hour: many inputs, kills and runs; the tests do the same with few.
+# Half an hour: many inputs, kills and runs; the tests do the same with fewer.
 reliability:
 	@bash .ci/setup test
 	INPUTS=100000 FOLDERS=400 cargo test $(CARGO_FLAGS) --test hostile -- --nocapture
@@ -65,7 +66,7 @@ reliability:
 fuzz:
 	@bash fuzz/run $(SECONDS_EACH)
 
-# The sanitizer is not part of stable Rust, its library is; METIS is compiled with it as well.
+# The flag is not part of stable Rust, hence RUSTC_BOOTSTRAP; METIS is compiled with the sanitizer too.
 sanitize: export RUSTC_BOOTSTRAP = 1
 sanitize: export RUSTFLAGS = -Zsanitizer=address
 sanitize: export CFLAGS = -fsanitize=address
@@ -73,7 +74,7 @@ sanitize:
 	cargo test $(CARGO_FLAGS) --target "$$(rustc --print host-tuple)" --target-dir target/sanitize \
 		--lib $(foreach test,$(SANITIZED),--test $(test)) -- --skip check_knows_the_memory
 
-# Those that reach C: orderings by METIS, meshes by Gmsh. The sanitizer takes memory that `check` does not foresee.
+# Tests that reach C: orderings by METIS, meshes by Gmsh. The sanitizer takes memory that `check` does not count.
 SANITIZED = linear_solver fast_solver two_level refactorisation plates gmsh
 
 lint: format clippy doc

@@ -245,7 +245,7 @@ fn print(text: &str) -> Result<(), RunError> {
     Ok(())
 }
 
-/// What a shell makes of Ctrl-C.
+/// Exit code after Ctrl-C, as shells give it.
 const INTERRUPTED: u8 = 130;
 
 /// Reads all pipelines before the first one acts, so that bad input stops everything.
@@ -275,7 +275,7 @@ fn check_folders(plans: &[Plan]) -> Result<(), InputError> {
     Ok(())
 }
 
-/// What a run that ends like this leaves as its exit code.
+/// Exit code of a run that ends with this error.
 fn code_of(error: &RunError) -> u8 {
     match error {
         RunError::Input(_) => 2,

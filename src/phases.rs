@@ -1,4 +1,4 @@
-//! What a run costs: the wall time of each phase, and the most memory that the whole has held.
+//! The cost of a run: the wall time of each phase, and the peak memory of the whole.
 
 use crate::trace::{Kind, Trace};
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Phase {
     pub name: Cow<'static, str>,
-    /// Of all its runs together.
+    /// Wall time of all its runs together.
     pub time: Duration,
     /// How often it ran.
     pub count: usize,
@@ -36,7 +36,7 @@ impl Phases {
         "solution",
     ];
 
-    /// What no other phase claims.
+    /// Name of the time that belongs to no other phase.
     pub const OTHER: &'static str = "other";
 
     /// No phase yet; each that is measured leaves a span in `trace`.

@@ -1,4 +1,4 @@
-//! What a solve will cost, from counts alone.
+//! The expected cost of a solve, from counts alone.
 
 use super::StaticsError;
 use super::structure::Structure;

@@ -4,7 +4,7 @@ use super::{Block, LANES, STRIP, lanes, strips};
 use pulp::{Simd, WithSimd};
 use std::array::from_fn;
 
-/// Of several right-hand sides, the columns and the right-hand sides that are worked on together: their sums, in
+/// Columns, and right-hand sides where there are several, that are worked on together: their sums, in
 /// [`LANES`], fill half of the sixteen registers.
 const FEW: usize = 2;
 const HALF: usize = 4;

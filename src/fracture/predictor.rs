@@ -25,11 +25,10 @@
 use super::costs::ZoneCosts;
 use super::event::{Bounds, Event, Load, is_at_limit};
 use super::functional::{Values, fields};
-use super::laws::StretchLimits;
 use super::look_ahead::LookAhead;
 use super::policy::{CHECKS, DRIFT, MARGIN, RIM, SAME_EVENT, TIE};
 use super::problem::Problem;
-use super::solutions::{Solutions, nan_max};
+use super::solutions::{Solutions, largest_utilisation, nan_max};
 use super::state::State;
 use super::zone::Zone;
 use super::zone_nodes::zone_nodes;
@@ -331,39 +330,15 @@ impl Predictor<'_> {
             && self.utilisation(outside, &ends, &run.loads(0..count)) < MARGIN
     }
 
-    /// A bound of the largest stretch over its limit of some interactions with any of the responses and under any
-    /// of the loads: convex in (μ, μ λ), so that it lies at a corner of their box.
+    /// A bound of the largest stretch over its limit, see [`largest_utilisation`].
     fn utilisation(
         &self,
         interactions: impl ParallelIterator<Item = usize>,
         responses: &[&Solutions],
         loads: &[Load],
     ) -> f64 {
-        let range = |of: fn(&Load) -> f64| {
-            let all = || loads.iter().map(of);
-            [
-                all().fold(f64::INFINITY, f64::min),
-                all().fold(f64::NEG_INFINITY, f64::max),
-            ]
-        };
-        let shares = range(|load| load.share);
-        let factors = range(|load| load.share * load.factor);
-        let of_stretches = |limits: StretchLimits, [held, unit]: [f64; 2]| {
-            let corners = shares
-                .iter()
-                .flat_map(|a| factors.iter().map(move |b| (a, b)));
-            corners
-                .map(|(a, b)| limits.utilisation(a * held + b * unit))
-                .fold(0.0, nan_max)
-        };
-        let largest = |interaction: usize| {
-            let limits = (self.problem.laws).limits(interaction, self.integrity[interaction]);
-            let stretches = responses.iter();
-            stretches
-                .map(|u| of_stretches(limits, u.rough_stretches(self.problem, interaction)))
-                .fold(0.0, nan_max)
-        };
-        interactions.map(largest).reduce(|| 0.0, nan_max)
+        let (problem, integrity) = (self.problem, &self.integrity);
+        largest_utilisation(problem, integrity, interactions, responses, loads)
     }
 
     fn accept(&mut self, run: &ZoneRun, residual: f64) {

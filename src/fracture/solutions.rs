@@ -2,9 +2,11 @@
 
 use super::event::Load;
 use super::functional::Values;
+use super::laws::StretchLimits;
 use super::problem::Problem;
 use crate::model::Model;
 use crate::statics::Solution;
+use rayon::prelude::*;
 
 /// u_held and u_unit of all nodes.
 #[derive(Clone)]
@@ -70,6 +72,42 @@ impl Solutions {
 /// The larger one; not a number if either is not: `f64::max` would pass over a solution that is none.
 pub fn nan_max(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
+}
+
+/// A bound of the largest stretch over its limit of some interactions with any of the responses and under any
+/// of the loads: convex in (μ, μ λ), so that it lies at a corner of their box.
+pub fn largest_utilisation(
+    problem: &Problem,
+    integrity: &[f64],
+    interactions: impl ParallelIterator<Item = usize>,
+    responses: &[&Solutions],
+    loads: &[Load],
+) -> f64 {
+    let range = |of: fn(&Load) -> f64| {
+        let all = || loads.iter().map(of);
+        [
+            all().fold(f64::INFINITY, f64::min),
+            all().fold(f64::NEG_INFINITY, f64::max),
+        ]
+    };
+    let shares = range(|load| load.share);
+    let factors = range(|load| load.share * load.factor);
+    let of_stretches = |limits: StretchLimits, [held, unit]: [f64; 2]| {
+        let corners = shares
+            .iter()
+            .flat_map(|a| factors.iter().map(move |b| (a, b)));
+        corners
+            .map(|(a, b)| limits.utilisation(a * held + b * unit))
+            .fold(0.0, nan_max)
+    };
+    let largest = |interaction: usize| {
+        let limits = problem.laws.limits(interaction, integrity[interaction]);
+        let stretches = responses.iter();
+        stretches
+            .map(|u| of_stretches(limits, u.rough_stretches(problem, interaction)))
+            .fold(0.0, nan_max)
+    };
+    interactions.map(largest).reduce(|| 0.0, nan_max)
 }
 
 #[cfg(test)]

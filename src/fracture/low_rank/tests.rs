@@ -27,8 +27,8 @@ fn model() -> Model {
         kind: CellKind::Quad4,
     };
     let mut mesh = grid.plain();
-    name_cells(&mut mesh, "grips", |[_, y]| (y - 10.0).abs() > 5.0);
-    name_cells(&mut mesh, "points", |[_, y]| (y - 10.0).abs() < 5.0);
+    name_cells(&mut mesh, "grips", |[_, y]| (y - 10.0).abs() > 4.0);
+    name_cells(&mut mesh, "points", |[_, y]| (y - 10.0).abs() < 4.0);
     name_curve(&mut mesh, "top", |[_, y]| y > 20.0 - 1e-9);
     name_curve(&mut mesh, "bottom", |[_, y]| y < 1e-9);
     let material = Material {

@@ -62,7 +62,7 @@ pub struct Parts<'a> {
     pub thickness: f64,
 }
 
-/// The interactions of one lattice after the coupling.
+/// The interactions of lattices after the coupling.
 #[derive(Debug, Default)]
 pub struct Tied {
     /// Bonds that the coupling leaves as they are, and the interactions that it adds.
@@ -71,6 +71,20 @@ pub struct Tied {
     pub family_shares: Vec<FamilyShare>,
     /// ξ of the bond that each clipped bond is a part of [m].
     pub bond_lengths: Vec<f64>,
+}
+
+impl Tied {
+    /// Adds the interactions of another lattice, each kind after its own.
+    pub fn append(&mut self, other: Tied) {
+        let before = self.interactions.clipped_bonds().len() as u32;
+        let shares = other.family_shares.into_iter().map(|share| FamilyShare {
+            interaction: before + share.interaction,
+            ..share
+        });
+        self.family_shares.extend(shares);
+        self.bond_lengths.extend(other.bond_lengths);
+        self.interactions.append(other.interactions);
+    }
 }
 
 /// A way to tie finite elements to a lattice.

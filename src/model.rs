@@ -15,8 +15,8 @@ mod settings;
 pub mod topology;
 
 use crate::assembly::ElementStiffness;
-use crate::coupling::Parts;
 use crate::coupling::clip::FamilyShare;
+use crate::coupling::{Parts, Tied};
 use crate::cracks::Cracks;
 use crate::fem::element;
 use crate::geometry::Outline;
@@ -42,7 +42,7 @@ pub use settings::{
     Method, ModelSettings, PeridynamicSettings, Region, SMALLEST_HORIZON, SettingsError,
     check_horizon,
 };
-pub use topology::Topology;
+pub use topology::{LatticePart, Topology};
 
 /// The material points of one peridynamic region, or of several that touch each other.
 #[derive(Clone, Debug)]
@@ -63,6 +63,18 @@ pub struct PointRegion {
 }
 
 impl PointRegion {
+    fn new(part: &LatticePart, lattice: &LatticeOfPoints, first_node: usize) -> PointRegion {
+        PointRegion {
+            region: part.leader(),
+            nodes: first_node..first_node + lattice.lattice.positions.len(),
+            axes: lattice.axes,
+            index: lattice.lattice.index.clone(),
+            micromodulus: lattice.micromodulus,
+            area: part.part.outline.area(),
+            outline: part.part.outline.clone(),
+        }
+    }
+
     /// The first side of a point's square, as a vector [m].
     pub fn side(&self) -> [f64; 2] {
         self.axes.global([self.micromodulus.spacing, 0.0])
@@ -116,79 +128,67 @@ impl Model {
         let Elements {
             elements,
             node_of,
-            positions,
+            mut positions,
         } = Elements::new(&mesh, &regions)?;
+        let lattice = |part| LatticeOfPoints::new(&mesh, &regions, &settings, &topology, part);
+        let lattices: Vec<LatticeOfPoints> = topology
+            .lattices
+            .iter()
+            .map(lattice)
+            .collect::<Result<_, _>>()?;
         let cells: Vec<usize> = elements.iter().map(|&(_, cell)| cell).collect();
-        let tie = settings.coupling.tie();
-        let thickness = settings.thickness;
+        let coupling = settings.coupling.tie();
+        let mut tied = Tied::default();
+        let mut points = Vec::new();
+        let mut first = positions.len();
+        for (part, lattice) in topology.lattices.iter().zip(&lattices) {
+            let parts = Parts {
+                mesh: &mesh,
+                elements: &cells,
+                node_of: &node_of,
+                edges: &part.part.edges,
+                interface: &part.interface,
+                outline: &lattice.outline,
+                lattice: &lattice.lattice,
+                axes: lattice.axes,
+                first_node: first as u32,
+                micromodulus: &lattice.micromodulus,
+                surface: lattice.surface.as_ref(),
+                visibility: &lattice.visibility,
+                thickness: settings.thickness,
+            };
+            let bonds = lattice.bonds(settings.thickness, parts.first_node);
+            tied.append(coupling.tie(bonds, &parts));
+            points.push(PointRegion::new(part, lattice, first));
+            first += lattice.lattice.positions.len();
+        }
+        let mut region_of = Vec::new();
+        let mut areas = Vec::new();
+        for (part, lattice) in topology.lattices.iter().zip(lattices) {
+            let of_lattice = lattice.positions();
+            region_of.extend(topology.regions_of(part, &of_lattice));
+            positions.extend(of_lattice);
+            areas.extend(lattice.lattice.areas);
+        }
         let mut model = Model {
             settings,
             elements,
             node_of,
             positions,
-            areas: Vec::new(),
-            region_of: Vec::new(),
-            points: Vec::new(),
-            interactions: Interactions::default(),
-            clipped: Vec::new(),
-            clipped_from: Vec::new(),
+            areas,
+            region_of,
+            points,
+            integrity: vec![1.0; tied.interactions.len()],
+            interactions: tied.interactions,
+            clipped: tied.family_shares,
+            clipped_from: tied.bond_lengths,
             clipped_regions: Vec::new(),
-            integrity: Vec::new(),
             node_axes: NodeAxes::new(),
             topology,
             mesh,
             regions,
         };
-        for part in &model.topology.lattices {
-            let (mesh, regions) = (&model.mesh, &model.regions);
-            let points = LatticeOfPoints::new(mesh, regions, &settings, &model.topology, part)?;
-            let first = model.positions.len();
-            let bonds = points.bonds(thickness, first as u32);
-            let tied = tie.tie(
-                bonds,
-                &Parts {
-                    mesh,
-                    elements: &cells,
-                    node_of: &model.node_of,
-                    edges: &part.part.edges,
-                    interface: &part.interface,
-                    outline: &points.outline,
-                    lattice: &points.lattice,
-                    axes: points.axes,
-                    first_node: first as u32,
-                    micromodulus: &points.micromodulus,
-                    surface: points.surface.as_ref(),
-                    visibility: &points.visibility,
-                    thickness,
-                },
-            );
-            let before = model.interactions.clipped_bonds().len() as u32;
-            let shares = tied.family_shares.into_iter().map(|share| FamilyShare {
-                interaction: before + share.interaction,
-                ..share
-            });
-            model.clipped.extend(shares);
-            model.clipped_from.extend(tied.bond_lengths);
-            model.interactions.append(tied.interactions);
-            let positions = points.lattice.positions.iter();
-            let positions: Vec<[f64; 2]> = positions.map(|&x| points.axes.global(x)).collect();
-            model
-                .region_of
-                .extend(model.topology.regions_of(part, &positions));
-            model.points.push(PointRegion {
-                region: part.leader(),
-                nodes: first..first + positions.len(),
-                axes: points.axes,
-                index: points.lattice.index,
-                micromodulus: points.micromodulus,
-                area: part.part.outline.area(),
-                outline: part.part.outline.clone(),
-            });
-            model.positions.extend(positions);
-            model.areas.extend(points.lattice.areas);
-        }
         model.mix_materials();
-        model.integrity = vec![1.0; model.interactions.len()];
         Ok(model)
     }
 

@@ -78,6 +78,12 @@ impl LatticeOfPoints {
         })
     }
 
+    /// Positions of all points along x and y [m].
+    pub fn positions(&self) -> Vec<[f64; 2]> {
+        let positions = self.lattice.positions.iter();
+        positions.map(|&x| self.axes.global(x)).collect()
+    }
+
     /// The bonds of all points, whose nodes count from `first_node`; corrected near free surfaces.
     pub fn bonds(&self, thickness: f64, first_node: u32) -> Interactions {
         let LatticeOfPoints {

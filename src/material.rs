@@ -76,6 +76,13 @@ impl Material {
             return Ok(());
         }
         Err(MaterialError::PoissonOfBonds { poisson, needed })
+
+    /// E' of Irwin's G = K_I²/E' [Pa]: E in plane stress, E/(1 − ν²) in plane strain.
+    pub fn plane_modulus(&self, plane: PlaneState) -> f64 {
+        match plane {
+            PlaneState::Stress => self.young,
+            PlaneState::Strain => self.young / (1.0 - self.poisson * self.poisson),
+        }
     }
 
     /// D of σ = D ε in Voigt order xx, yy, xy with the engineering shear strain γ_xy [Pa].

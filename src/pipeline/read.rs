@@ -1,5 +1,6 @@
 //! A pipeline file to a checked [`plan`]: [`spec`] is the file as written, [`reader`] its check.
 
+mod familiar;
 pub mod files;
 pub mod mistakes;
 pub mod nesting;

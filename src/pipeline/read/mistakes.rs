@@ -1,6 +1,7 @@
 //! Mistakes in a YAML document, found by the schema of the types that read it. A message has the user's
 //! words and the key that it concerns, whatever the reader's own messages are.
 
+use super::familiar;
 use super::removed::RemovedWord;
 use super::source::{InputError, Source, choices, quoted};
 use super::spec::Spec;
@@ -117,7 +118,9 @@ impl Checker<'_> {
                 (_, Some(schema)) if schema.is_object() => self.check(schema, value, &place)?,
                 (known, _) => {
                     let known = known.into_iter().flatten().map(|(name, _)| name.as_str());
-                    let help = Some(choices(&name, known));
+                    let known: Vec<&str> = known.collect();
+                    let advice = familiar::advice(&name, &known).map(str::to_owned);
+                    let help = advice.or_else(|| Some(choices(&name, known)));
                     let message = format!("unknown key `{name}`{within}");
                     return Err(self.source.error_at_name(&place, message, help));
                 }

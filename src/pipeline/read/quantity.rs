@@ -3,12 +3,16 @@
 //! An own parser of a hundred lines: `uom` knows single units of one quantity at a time, not
 //! products such as `kN/m^2` in a place that wants a pressure.
 
-use thiserror::Error;
+mod units;
 
-/// Exponents of metre, kilogram and second.
+use std::f64::consts::TAU;
+use thiserror::Error;
+use units::{other_case, unit_product};
+
+/// Exponents of metre, kilogram and second, in halves: a fracture toughness is in Pa √m.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dimension {
-    exponents: [i32; 3],
+    halves: [i32; 3],
 }
 
 impl Dimension {
@@ -21,17 +25,21 @@ impl Dimension {
     pub const DENSITY: Dimension = Dimension::new(-3, 1, 0);
     pub const ACCELERATION: Dimension = Dimension::new(1, 0, -2);
     pub const ENERGY_PER_AREA: Dimension = Dimension::new(0, 1, -2);
+    pub const FRACTURE_TOUGHNESS: Dimension = Dimension {
+        halves: [-1, 2, -4],
+    };
 
     const fn new(metre: i32, kilogram: i32, second: i32) -> Dimension {
         Dimension {
-            exponents: [metre, kilogram, second],
+            halves: [2 * metre, 2 * kilogram, 2 * second],
         }
     }
 
-    fn times(self, other: Dimension, power: i32) -> Dimension {
-        let [a, b] = [self.exponents, other.exponents];
+    /// This dimension times that of a unit, which is never a root, to the power of `halves`/2.
+    fn times(self, unit: Dimension, halves: i32) -> Dimension {
+        let [a, b] = [self.halves, unit.halves];
         Dimension {
-            exponents: std::array::from_fn(|k| a[k] + power * b[k]),
+            halves: std::array::from_fn(|k| a[k] + halves * b[k] / 2),
         }
     }
 
@@ -40,7 +48,7 @@ impl Dimension {
         match NAMES.iter().find(|(dimension, ..)| *dimension == self) {
             Some((_, _, unit, _)) => (*unit).to_owned(),
             None => {
-                let [m, kg, s] = self.exponents;
+                let [m, kg, s] = self.halves.map(|half| f64::from(half) / 2.0);
                 format!("m^{m} kg^{kg} s^{s}")
             }
         }
@@ -62,7 +70,7 @@ impl Dimension {
 }
 
 /// Dimensions with their names, SI units and an example.
-const NAMES: [(Dimension, &str, &str, &str); 12] = [
+const NAMES: [(Dimension, &str, &str, &str); 13] = [
     (Dimension::NUMBER, "a plain number", "", "0.5"),
     (Dimension::LENGTH, "a length", "m", "2.5 mm"),
     (Dimension::AREA, "an area", "m^2", "5 mm^2"),
@@ -87,6 +95,12 @@ const NAMES: [(Dimension, &str, &str, &str); 12] = [
         "N/m",
         "2 kN/m",
     ),
+    (
+        Dimension::FRACTURE_TOUGHNESS,
+        "a fracture toughness",
+        "Pa m^0.5",
+        "1 MPa m^0.5",
+    ),
     (Dimension::new(0, 0, 1), "a time", "s", "1 s"),
     (Dimension::new(0, 1, 0), "a mass", "kg", "1 kg"),
     (Dimension::new(2, 1, -2), "an energy", "J", "1 J"),
@@ -106,16 +120,23 @@ pub enum QuantityError {
     },
     #[error("`{text}` is not finite")]
     NotFinite { text: String },
+    #[error("`{text}` is not an angle")]
+    NotAnAngle { text: String },
+    #[error("an angle of `{text}` without a unit is in radians, and more than a whole turn")]
+    ManyTurns { text: String },
 }
 
 impl QuantityError {
     /// The fix.
     pub fn help(&self) -> String {
         match self {
-            QuantityError::UnknownUnit { .. } => {
-                "units are m, g, s, N, Pa, J with a prefix n, µ, m, c, k, M or G, and products of \
-                 them: mm, GPa, kN/m, N/mm^2"
-                    .to_owned()
+            QuantityError::UnknownUnit { unit } => {
+                let known = "units are m, g, s, N, Pa, J with a prefix n, µ, m, c, k, M or G, t, in, ft, \
+                             lbf, psi, ksi, and products of them: mm, GPa, kN/m, N/mm^2";
+                match other_case(unit) {
+                    Some(meant) => format!("did you mean `{meant}`? {known}"),
+                    None => known.to_owned(),
+                }
             }
             QuantityError::WrongDimension { expected, .. } => {
                 format!(
@@ -123,6 +144,12 @@ impl QuantityError {
                     expected.name(),
                     expected.example()
                 )
+            }
+            QuantityError::NotAnAngle { .. } => {
+                "write degrees, `20 deg`, or radians, `0.35`".to_owned()
+            }
+            QuantityError::ManyTurns { text } => {
+                format!("write `{text} deg`, or `{text} rad` if it is meant so")
             }
             _ => "write a number and a unit, such as `30 GPa` or `2.5e-3 m`; a bare number is SI"
                 .to_owned(),
@@ -167,6 +194,28 @@ pub fn parse_any(text: &str) -> Result<(f64, Option<Dimension>), QuantityError> 
     }
 }
 
+/// An angle [rad] in `deg`, `°` or `rad`; a bare number is in radians, and must then be one turn at most.
+///
+/// # Errors
+/// See [`QuantityError`].
+pub fn parse_angle(text: &str) -> Result<f64, QuantityError> {
+    let text = text.trim();
+    let not_an_angle = || QuantityError::NotAnAngle {
+        text: text.to_owned(),
+    };
+    let (number, unit) = split(text).ok_or_else(not_an_angle)?;
+    match unit {
+        _ if !number.is_finite() => Err(not_an_angle()),
+        "deg" | "°" | "degree" | "degrees" => Ok(number.to_radians()),
+        "rad" => Ok(number),
+        "" if number.abs() <= TAU => Ok(number),
+        "" => Err(QuantityError::ManyTurns {
+            text: text.to_owned(),
+        }),
+        _ => Err(not_an_angle()),
+    }
+}
+
 /// The number as it is written, and the text of its unit; `None` for what is no finite number with a known unit.
 pub(crate) fn number_and_unit(text: &str) -> Option<(f64, &str)> {
     parse_any(text).ok()?;
@@ -205,78 +254,6 @@ fn leading_number(text: &str) -> Option<(f64, &str)> {
         })
 }
 
-/// `kN/m^2`, `N/mm²`, `Pa*m`, `N m`: factors with exponents.
-fn unit_product(text: &str) -> Result<(f64, Dimension), QuantityError> {
-    let plain = text
-        .replace('²', "^2")
-        .replace('³', "^3")
-        .replace(['·', '*'], " ")
-        .replace('/', " / ");
-    let (mut scale, mut dimension, mut power) = (1.0, Dimension::NUMBER, 1);
-    for word in plain.split_whitespace() {
-        if word == "/" {
-            power = -1;
-            continue;
-        }
-        let (unit, exponent) = with_exponent(word)?;
-        let (factor, of_unit) = prefixed_unit(unit)?;
-        scale *= f64::powi(factor, power * exponent);
-        dimension = dimension.times(of_unit, power * exponent);
-        power = 1;
-    }
-    Ok((scale, dimension))
-}
-
-fn with_exponent(word: &str) -> Result<(&str, i32), QuantityError> {
-    let unknown = || QuantityError::UnknownUnit {
-        unit: word.to_owned(),
-    };
-    match word.split_once('^') {
-        Some((unit, exponent)) => {
-            let exponent: i32 = exponent.parse().map_err(|_| unknown())?;
-            if exponent.abs() > 9 {
-                Err(unknown())
-            } else {
-                Ok((unit, exponent))
-            }
-        }
-        None => Ok((word, 1)),
-    }
-}
-
-fn prefixed_unit(word: &str) -> Result<(f64, Dimension), QuantityError> {
-    const UNITS: [(&str, f64, Dimension); 6] = [
-        ("Pa", 1.0, Dimension::PRESSURE),
-        ("m", 1.0, Dimension::LENGTH),
-        ("g", 1e-3, Dimension::new(0, 1, 0)),
-        ("s", 1.0, Dimension::new(0, 0, 1)),
-        ("N", 1.0, Dimension::new(1, 1, -2)),
-        ("J", 1.0, Dimension::new(2, 1, -2)),
-    ];
-    const PREFIXES: [(&str, f64); 10] = [
-        ("", 1.0),
-        ("n", 1e-9),
-        ("µ", 1e-6),
-        ("μ", 1e-6),
-        ("u", 1e-6),
-        ("m", 1e-3),
-        ("c", 1e-2),
-        ("k", 1e3),
-        ("M", 1e6),
-        ("G", 1e9),
-    ];
-    UNITS
-        .iter()
-        .find_map(|&(unit, base, dimension)| {
-            let prefix = word.strip_suffix(unit)?;
-            let (_, scale) = PREFIXES.iter().find(|(name, _)| *name == prefix)?;
-            Some((scale * base, dimension))
-        })
-        .ok_or_else(|| QuantityError::UnknownUnit {
-            unit: word.to_owned(),
-        })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -295,12 +272,51 @@ mod tests {
             ("1/3", Dimension::NUMBER, 1.0 / 3.0),
             ("1/2 mm", Dimension::LENGTH, 0.5e-3),
             ("140.7 mJ/m^2 / mm", Dimension::PRESSURE, 140.7),
+            ("1 inch", Dimension::LENGTH, 0.0254),
+            ("2 ft", Dimension::LENGTH, 0.6096),
+            ("3 millimeters", Dimension::LENGTH, 3e-3),
+            ("10 ksi", Dimension::PRESSURE, 68_947_572.931_683_61),
+            ("2.4 t/m^3", Dimension::DENSITY, 2400.0),
+            ("1.5 MPa m^0.5", Dimension::FRACTURE_TOUGHNESS, 1.5e6),
+            ("1.5 MPa*m^(1/2)", Dimension::FRACTURE_TOUGHNESS, 1.5e6),
+            ("1.5 MPa√m", Dimension::FRACTURE_TOUGHNESS, 1.5e6),
+            ("1.5 MPa sqrt(m)", Dimension::FRACTURE_TOUGHNESS, 1.5e6),
+            // MPa √mm, as N/mm^(3/2): √1e-3 of MPa √m.
+            (
+                "2 N/mm^(3/2)",
+                Dimension::FRACTURE_TOUGHNESS,
+                2e6 * 1e-3_f64.sqrt(),
+            ),
+            (
+                "1 ksi in^0.5",
+                Dimension::FRACTURE_TOUGHNESS,
+                1_098_843.494_108_754_7,
+            ),
         ];
         for (text, dimension, expected) in cases {
             let value = parse(text, dimension).expect(text);
-            // One division and one power of ten.
-            assert!((value / expected - 1.0).abs() < 4e-16, "{text}: {value}");
+            // One division, a root and some powers of ten.
+            assert!((value / expected - 1.0).abs() < 1e-15, "{text}: {value}");
         }
+    }
+
+    #[test]
+    fn a_bare_angle_is_in_radians_and_one_turn_at_most() {
+        assert_eq!(parse_angle("45 deg"), Ok(45_f64.to_radians()));
+        assert_eq!(parse_angle("-30°"), Ok(-30_f64.to_radians()));
+        assert_eq!(parse_angle("1.5 rad"), Ok(1.5));
+        assert_eq!(parse_angle("100 rad"), Ok(100.0));
+        assert_eq!(parse_angle("6.28"), Ok(6.28));
+        for text in ["45", "-6.3"] {
+            let error = parse_angle(text).expect_err(text);
+            let message = format!(
+                "an angle of `{text}` without a unit is in radians, and more than a whole turn"
+            );
+            assert_eq!(error.to_string(), message);
+            let help = format!("write `{text} deg`, or `{text} rad` if it is meant so");
+            assert_eq!(error.help(), help);
+        }
+        assert!(parse_angle("5 mm").is_err() && parse_angle("deg").is_err());
     }
 
     #[test]
@@ -316,5 +332,8 @@ mod tests {
         assert_eq!(error("1/0 m"), "`1/0 m` is not finite");
         assert_eq!(error("3 m^x"), "`m^x` is not a unit");
         assert_eq!(error("1 m^99"), "`m^99` is not a unit");
+        assert_eq!(error("1 m^0.3"), "`m^0.3` is not a unit");
+        let wrong_case = parse("30 gpa", Dimension::PRESSURE).expect_err("no unit");
+        assert!(wrong_case.help().starts_with("did you mean `GPa`? "));
     }
 }

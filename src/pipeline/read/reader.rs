@@ -4,6 +4,7 @@ mod conditions;
 mod loading;
 mod positions;
 mod regions;
+mod strength;
 
 use super::files::similar_file;
 use super::plan::{GeometryPlan, Probe};
@@ -12,7 +13,6 @@ use super::source::{InputError, Source};
 use super::spec::{self, Spec};
 use crate::coupling::Coupling;
 use crate::coupling::truss::NodeArea;
-use crate::fracture::laws::Strength;
 use crate::gmsh::Value;
 use crate::material::{Material, MaterialError};
 use crate::meshio::MESHES;
@@ -88,7 +88,15 @@ impl Reader<'_> {
             }
             return Err(self.source.error("geometry/file", message, Some(help)));
         }
-        let unit = spec::Scalar(format!("1 {}", geometry.unit));
+        // `mm`, or `25.4 mm`.
+        let unit = match geometry
+            .unit
+            .trim_start()
+            .starts_with(|c: char| c.is_ascii_digit())
+        {
+            true => spec::Scalar(geometry.unit.clone()),
+            false => spec::Scalar(format!("1 {}", geometry.unit)),
+        };
         Ok(GeometryPlan {
             file,
             unit_in_metres: self.positive("geometry/unit", &unit, Dimension::LENGTH)?,
@@ -119,56 +127,6 @@ impl Reader<'_> {
         self.spec.materials.iter().map(material).collect()
     }
 
-    /// The strength of a material's bonds: its strengths, or its energy release rate.
-    fn strength(&self, name: &str) -> Result<Option<Strength>, InputError> {
-        let written = &self.spec.materials[name];
-        let key = |field: &str| format!("materials/{name}/{field}");
-        let read = |field: &str, value: &Option<spec::Scalar>, dimension| {
-            let value = value.as_ref();
-            value
-                .map(|v| self.positive(&key(field), v, dimension))
-                .transpose()
-        };
-        let tensile = read(
-            "tensile_strength",
-            &written.tensile_strength,
-            Dimension::PRESSURE,
-        )?;
-        let compressive = read(
-            "compressive_strength",
-            &written.compressive_strength,
-            Dimension::PRESSURE,
-        )?;
-        let rate = read(
-            "energy_release_rate",
-            &written.energy_release_rate,
-            Dimension::ENERGY_PER_AREA,
-        )?;
-        match (tensile, compressive, rate) {
-            (None, None, None) => Ok(None),
-            (Some(tensile), compressive, None) => Ok(Some(Strength::Stress {
-                tensile,
-                compressive,
-            })),
-            (None, None, Some(rate)) => Ok(Some(Strength::EnergyReleaseRate(rate))),
-            (None, Some(_), _) => {
-                let message = "a compressive strength needs a tensile strength beside it";
-                let help = Some("add `tensile_strength`".to_owned());
-                Err(self
-                    .source
-                    .error(&key("compressive_strength"), message, help))
-            }
-            (Some(_), _, Some(_)) => {
-                let message = "a material breaks by its strength or by its energy release rate";
-                let help =
-                    Some("remove one of `tensile_strength` and `energy_release_rate`".to_owned());
-                Err(self
-                    .source
-                    .error(&key("energy_release_rate"), message, help))
-            }
-        }
-    }
-
     pub(crate) fn coupling(&self) -> Result<Coupling, InputError> {
         match &self.spec.coupling {
             spec::Coupling::Truss(truss) => self.node_area(&truss.node_area).map(Coupling::Truss),
@@ -195,21 +153,9 @@ impl Reader<'_> {
 
     /// An angle [rad].
     fn angle(&self, key: &str, written: &spec::Scalar) -> Result<f64, InputError> {
-        let text = written.0.trim();
-        let degrees = text.strip_suffix("deg").or(text.strip_suffix('°'));
-        let number = degrees.or(text.strip_suffix("rad")).unwrap_or(text);
-        let value: f64 = match number.trim().parse() {
-            Ok(value) if f64::is_finite(value) => value,
-            _ => {
-                let help = "write degrees, `20 deg`, or radians, `0.35`";
-                let message = format!("`{text}` is not an angle");
-                return Err(self.source.error(key, message, Some(help.to_owned())));
-            }
-        };
-        Ok(if degrees.is_some() {
-            value.to_radians()
-        } else {
-            value
+        quantity::parse_angle(&written.0).map_err(|error| {
+            let help = error.help();
+            self.source.error(key, error.to_string(), Some(help))
         })
     }
 

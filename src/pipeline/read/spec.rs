@@ -122,7 +122,20 @@ pub struct Material {
     /// [scaled](method.md#isotropised-micromodulus) if `micromodulus` is `isotropised`. Unit: J/m².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_release_rate: Option<Scalar>,
+    /// K_IC > 0, in place of `energy_release_rate`: G0 = K_IC²/E', with E' = E in plane stress and
+    /// E/(1 − ν²) in plane strain. `1 MPa m^0.5`, `1 MPa√m`. Unit: Pa √m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fracture_toughness: Option<Scalar>,
     /// ρ > 0, for `gravity`. Unit: kg/m³.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density: Option<Scalar>,
+}
+
+impl Material {
+    /// Whether its bonds break at some stretch.
+    pub fn has_strength(&self) -> bool {
+        self.tensile_strength.is_some()
+            || self.energy_release_rate.is_some()
+            || self.fracture_toughness.is_some()
+    }
 }

@@ -227,7 +227,7 @@ plane: strain
 thickness: 10 mm
 materials:
   rock: { young: 30 GPa, poisson: 1/4, tensile_strength: 2 MPa, compressive_strength: 20 MPa,
-          energy_release_rate: 1 J/m^2, density: 2400 kg/m^3 }
+          energy_release_rate: 1 J/m^2, fracture_toughness: 1 MPa m^0.5, density: 2400 kg/m^3 }
 regions:
   - { group: [a, b], model: peridynamics, material: rock, spacing: 1 mm, horizon: 4, kernel: linear,
       points: grid-nodes, angle: 20 deg, origin: [0, 1 mm], cell_area: full, partial_area: hhb,

@@ -196,9 +196,22 @@ fn unknown_surface(plan: &Plan, mesh: &Mesh, at: [usize; 2]) -> InputError {
     } else {
         format!("there is no physical surface `{group}` with elements in {file}")
     };
-    let help = choices(group, mesh.surfaces.keys().map(String::as_str));
+    let help = group_help("Surface", group, mesh.surfaces.keys().map(String::as_str));
     plan.source
         .error(&format!("regions/{index}/group/{k}"), message, Some(help))
+}
+
+/// The groups that there are; a number may be meant for one of the geometry's plain entities.
+fn group_help<'a>(kind: &str, given: &str, valid: impl IntoIterator<Item = &'a str>) -> String {
+    let choices = choices(given, valid);
+    match given.parse::<u64>() {
+        Ok(number) => format!(
+            "a number names a physical group without a name, not a plain {}: add \
+             `Physical {kind}(\"NAME\") = {{{number}}};` to the geometry and write NAME; {choices}",
+            kind.to_lowercase()
+        ),
+        Err(_) => choices,
+    }
 }
 
 fn boundary_groups(mesh: &Mesh) -> impl Iterator<Item = &str> {
@@ -218,7 +231,7 @@ fn check_groups(plan: &Plan, mesh: &Mesh) -> Result<(), InputError> {
         if on_surface && !mesh.surfaces.contains_key(group) {
             let file = plan.geometry.file.display();
             let message = format!("there is no physical surface `{group}` in {file}");
-            let help = choices(group, mesh.surfaces.keys().map(String::as_str));
+            let help = group_help("Surface", group, mesh.surfaces.keys().map(String::as_str));
             let key = format!("{}/group", condition.key);
             return Err(plan.source.error(&key, message, Some(help)));
         }
@@ -234,7 +247,7 @@ fn check_groups(plan: &Plan, mesh: &Mesh) -> Result<(), InputError> {
             };
             let help = format!(
                 "{}; or select by position: `where: {{ x: min }}` in place of `group`",
-                choices(group, boundary_groups(mesh))
+                group_help("Curve", group, boundary_groups(mesh))
             );
             return Err(plan.source.error(
                 &format!("{}/group", condition.key),
@@ -252,7 +265,7 @@ fn cracks(plan: &Plan, mesh: &Mesh) -> Result<Cracks, InputError> {
         let Some(curve) = mesh.curves.get(name) else {
             let file = plan.geometry.file.display();
             let message = format!("there is no physical curve `{name}` in {file}");
-            let help = choices(name, mesh.curves.keys().map(String::as_str));
+            let help = group_help("Curve", name, mesh.curves.keys().map(String::as_str));
             return Err(plan
                 .source
                 .error(&format!("cracks/{index}"), message, Some(help)));

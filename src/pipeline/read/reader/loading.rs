@@ -24,14 +24,12 @@ impl Reader<'_> {
         let breakable = |region: &spec::Region| {
             let material = self.spec.materials.get(&region.material);
             region.model == spec::RegionModel::Peridynamics
-                && material.is_some_and(|m| {
-                    m.tensile_strength.is_some() || m.energy_release_rate.is_some()
-                })
+                && material.is_some_and(spec::Material::has_strength)
         };
         if !self.spec.regions.iter().any(breakable) {
             let message = "no bond can break: no peridynamic region has a strength";
-            let help = "give its material a `tensile_strength` or an `energy_release_rate`, or \
-                        remove `loading` for one elastic solve";
+            let help = "give its material a `tensile_strength`, an `energy_release_rate` or a \
+                        `fracture_toughness`, or remove `loading` for one elastic solve";
             return Err(self.source.error("loading", message, Some(help.to_owned())));
         }
         Ok(Some(Loading {

@@ -41,7 +41,7 @@ impl Reader<'_> {
                 groups: region.group.0.clone(),
                 material_name: region.material.clone(),
                 material,
-                strength: self.strength(&region.material)?,
+                strength: self.strength(&region.material, &material, plane)?,
                 method,
                 angle_by_default: region.angle.is_none(),
             })

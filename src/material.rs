@@ -76,6 +76,7 @@ impl Material {
             return Ok(());
         }
         Err(MaterialError::PoissonOfBonds { poisson, needed })
+    }
 
     /// E' of Irwin's G = K_I²/E' [Pa]: E in plane stress, E/(1 − ν²) in plane strain.
     pub fn plane_modulus(&self, plane: PlaneState) -> f64 {

@@ -216,6 +216,14 @@ impl Model {
         self.node_count() - self.areas.len()
     }
 
+    /// The node nearest to a point, and its distance from it [m].
+    pub fn nearest_node(&self, at: [f64; 2]) -> (usize, f64) {
+        let distance = |x: &[f64; 2]| (x[0] - at[0]).hypot(x[1] - at[1]);
+        let distances = self.positions.iter().map(distance).enumerate();
+        let nearest = distances.min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.expect("a model has nodes")
+    }
+
     /// Lower left and upper right corner of the box around the body [m]: material points may lie
     /// dx/2 within it.
     pub fn bounds(&self) -> [[f64; 2]; 2] {

@@ -122,7 +122,7 @@ fn run(
         let energy = state.energy;
         let resultants = response
             .values()
-            .resultants(programme.phases.len(), state.load);
+            .resultants(programme, state.load);
         peak = resultants
             .iter()
             .flatten()

@@ -11,6 +11,7 @@
 //! displacements −g (Betti).
 
 use super::event::Load;
+use super::programme::Programme;
 use crate::boundary::Boundary;
 use crate::model::node_axes::direction;
 use crate::statics::{Factorised, Solution};
@@ -26,6 +27,14 @@ pub struct Functional {
 }
 
 impl Functional {
+    /// The displacement g·u; `weights`: g, dof by dof, ascending.
+    pub fn of_displacement(weights: Vec<(usize, f64)>) -> Functional {
+        Functional {
+            of_reactions: false,
+            weights,
+        }
+    }
+
     pub fn value(&self, solution: &Solution) -> f64 {
         let field = match self.of_reactions {
             true => &solution.reaction,
@@ -129,10 +138,17 @@ impl Values {
     }
 
     /// The resultant on each group that prescribes displacements, in alphabetical order [N].
-    pub fn resultants(&self, phases: usize, load: Load) -> Vec<[f64; 2]> {
-        let groups = self.0[2 * phases..].chunks_exact(2);
+    pub fn resultants(&self, programme: &Programme, load: Load) -> Vec<[f64; 2]> {
+        let end = self.0.len() - programme.probes;
+        let groups = self.0[2 * programme.phases.len()..end].chunks_exact(2);
         groups
             .map(|axes| [0, 1].map(|k| load.combine(axes[k])))
             .collect()
+    }
+
+    /// The displacement that each probe reads [m].
+    pub fn probes(&self, programme: &Programme, load: Load) -> Vec<f64> {
+        let probes = &self.0[self.0.len() - programme.probes..];
+        probes.iter().map(|&value| load.combine(value)).collect()
     }
 }

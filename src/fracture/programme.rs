@@ -30,8 +30,10 @@ pub struct LoadPhase {
 #[derive(Clone, Debug)]
 pub struct Programme {
     pub phases: Vec<LoadPhase>,
-    /// Q and W of every phase, then the resultants on every group ([`functional`]).
+    /// Q and W of every phase, then the resultants on every group ([`functional`]), then what the probes read.
     pub functionals: Vec<Functional>,
+    /// Number of the last of these that are probes.
+    pub probes: usize,
 }
 
 impl Programme {
@@ -39,8 +41,17 @@ impl Programme {
         let boundaries: Vec<&Boundary> = phases.iter().map(|phase| &phase.boundary).collect();
         Programme {
             functionals: functional::of_phases(&boundaries),
+            probes: 0,
             phases,
         }
+    }
+
+    /// The same programme with displacements that are read at every step.
+    pub fn with_probes(mut self, probes: impl IntoIterator<Item = Functional>) -> Programme {
+        let before = self.functionals.len();
+        self.functionals.extend(probes);
+        self.probes += self.functionals.len() - before;
+        self
     }
 
     /// One phase without an end, in load steps of Δλ = 1.

@@ -109,7 +109,14 @@ pub struct ProbeSummary {
     pub name: String,
     /// `x` or `y`.
     pub component: String,
+    /// Position of the node that is read.
     pub at_m: [f64; 2],
+    /// Position of the second node, less the displacement of the first one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to_m: Option<[f64; 2]>,
+    /// The largest distance of these nodes from the points of the pipeline.
+    #[serde(default)]
+    pub distance_m: f64,
     pub displacement_m: f64,
     pub reference_m: Option<f64>,
     /// Relative error against the reference [-].

@@ -115,12 +115,12 @@ pub struct Displaced {
     pub components: [Option<f64>; 2],
 }
 
-/// A displacement to report.
+/// A displacement to report: u at a point, or u(b) − u(a) of two points.
 #[derive(Clone, Debug)]
 pub struct Probe {
     pub name: String,
-    /// [m].
-    pub at: [f64; 2],
+    /// One point, or a and b [m].
+    pub points: Vec<[f64; 2]>,
     pub axis: usize,
     /// [m].
     pub reference: Option<f64>,

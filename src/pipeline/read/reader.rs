@@ -3,11 +3,12 @@
 mod conditions;
 mod loading;
 mod positions;
+mod probes;
 mod regions;
 mod strength;
 
 use super::files::similar_file;
-use super::plan::{GeometryPlan, Probe};
+use super::plan::GeometryPlan;
 use super::quantity::{self, Dimension};
 use super::source::{InputError, Source};
 use super::spec::{self, Spec};
@@ -157,27 +158,6 @@ impl Reader<'_> {
             let help = error.help();
             self.source.error(key, error.to_string(), Some(help))
         })
-    }
-
-    pub(crate) fn probes(&self) -> Result<Vec<Probe>, InputError> {
-        let read = |(name, probe): (&String, &spec::Probe)| {
-            let key = |field: &str| format!("probes/{name}/{field}");
-            let at =
-                |k: usize| self.quantity(&key(&format!("at/{k}")), &probe.at[k], Dimension::LENGTH);
-            let reference = probe.reference.as_ref();
-            Ok(Probe {
-                name: name.clone(),
-                at: [at(0)?, at(1)?],
-                axis: match probe.component {
-                    spec::Component::X => 0,
-                    spec::Component::Y => 1,
-                },
-                reference: reference
-                    .map(|value| self.quantity(&key("reference"), value, Dimension::LENGTH))
-                    .transpose()?,
-            })
-        };
-        self.spec.probes.iter().map(read).collect()
     }
 }
 

@@ -1,6 +1,7 @@
 //! `history.csv`: a line for each load step or event, written as the run goes.
 
 use crate::boundary::Boundary;
+use crate::pipeline::read::plan::Probe;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
@@ -35,14 +36,16 @@ pub struct HistoryLine {
     pub crack_length: f64,
     /// Resultant on each group that prescribes displacements, in alphabetical order [N].
     pub reactions: Vec<[f64; 2]>,
+    /// The displacement that each probe reads, in alphabetical order [m].
+    pub probes: Vec<f64>,
 }
 
 const COLUMNS: &str = "step,phase,load_factor,envelope_load_factor,load_share,grip_displacement_m,\
                        reaction_n,elastic_energy_j,dissipated_energy_j,external_work_j,bonds_broken,\
                        bonds_broken_total,passes,residual,crack_length_m";
 
-/// The names of the columns; two for each group that prescribes displacements.
-pub(crate) fn header(supports: &Boundary) -> String {
+/// The names of the columns; two for each group that prescribes displacements, one for each probe.
+pub(crate) fn header(supports: &Boundary, probes: &[Probe]) -> String {
     let groups: BTreeSet<&str> = (supports.prescribed.values())
         .map(|(_, group)| group.as_str())
         .collect();
@@ -51,6 +54,9 @@ pub(crate) fn header(supports: &Boundary) -> String {
         for axis in ["x", "y"] {
             header += &format!(",{}", quoted(&format!("reaction_{group}_{axis}_n")));
         }
+    }
+    for probe in probes {
+        header += &format!(",{}", quoted(&format!("probe_{}_m", probe.name)));
     }
     header
 }
@@ -85,8 +91,8 @@ impl HistoryLine {
             self.residual,
             self.crack_length
         );
-        for force in self.reactions.iter().flatten() {
-            text += &format!(",{force}");
+        for value in self.reactions.iter().flatten().chain(&self.probes) {
+            text += &format!(",{value}");
         }
         text
     }

@@ -138,17 +138,24 @@ impl Outcome<'_> {
     }
 
     fn probe(&self, probe: &Probe) -> ProbeSummary {
-        let positions = &self.model.positions;
-        let distance =
-            |n: usize| (positions[n][0] - probe.at[0]).hypot(positions[n][1] - probe.at[1]);
-        let node = (0..positions.len())
-            .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
-            .expect("a model has nodes");
-        let value = self.solved.solution.displacement[node][probe.axis];
+        let nodes: Vec<(usize, f64)> = (probe.points.iter())
+            .map(|&at| self.model.nearest_node(at))
+            .collect();
+        let displacement = |k: usize| self.solved.solution.displacement[nodes[k].0][probe.axis];
+        let value = match nodes.len() {
+            1 => displacement(0),
+            _ => displacement(1) - displacement(0),
+        };
+        let position = |&(node, _): &(usize, f64)| self.model.positions[node];
         ProbeSummary {
             name: probe.name.clone(),
             component: ["x", "y"][probe.axis].to_owned(),
-            at_m: positions[node],
+            at_m: position(&nodes[0]),
+            to_m: nodes.get(1).map(position),
+            distance_m: nodes
+                .iter()
+                .map(|(_, distance)| *distance)
+                .fold(0.0, f64::max),
             displacement_m: value,
             reference_m: probe.reference,
             error: probe.reference.map(|reference| value / reference - 1.0),

@@ -106,7 +106,12 @@ fn first_readers(spec: &Spec) -> Vec<(Stage, &'static str, Value)> {
         (Solve, "output.every", json!(every)),
         (Solve, "output.pictures_at", json!(pictures_at)),
         (Output, "name", json!(name)),
-        (Output, "probes", json!(probes)),
+        // A fracture run reads them at every step.
+        (
+            if loading.is_some() { Solve } else { Output },
+            "probes",
+            json!(probes),
+        ),
         (Output, "output.fields", json!(fields)),
         (Output, "output.bonds", json!(bonds)),
         (Output, "output.pictures", json!(pictures)),
@@ -243,7 +248,7 @@ boundary:
 gravity: { x: 1 m/s^2, y: -9.81 m/s^2, phase: up }
 loading: { control: equilibrium, steps: 9, until: steps, most_passes: 8, increment: 0.1, to: 7,
            phases: [{ name: up, increment: 0.2, to: 6 }], reference: { first_break: 5, separated: 4 } }
-probes: { tip: { at: [1 m, 2 m], component: y, reference: 3 mm } }
+probes: { tip: { at: [1 m, 2 m], component: y, reference: 3 mm }, cmod: { between: [[0, 1 m], [0, 2 m]], component: y } }
 output: { fields: [stress], every: 2, bonds: true, pictures: [mesh], pictures_at: [3], formats: [svg],
           animation: true, report: false }
 sweep: { over: { thickness: { from: 1 mm, to: 2 mm, count: 3, scale: log } }, combine: zipped }
@@ -290,7 +295,7 @@ sweep: { over: { thickness: { from: 1 mm, to: 2 mm, count: 3, scale: log } }, co
                 &[Stage::Mesh]
             } else if is_below(&["output.every", "output.pictures_at"]) {
                 &[Stage::Solve, Stage::Output]
-            } else if is_below(&["name", "probes", "loading.reference", "output"]) {
+            } else if is_below(&["name", "loading.reference", "output"]) {
                 &[Stage::Output]
             } else {
                 &[Stage::Solve, Stage::Output]

@@ -2,7 +2,7 @@
 
 mod errors;
 
-use super::{joints, positions};
+use super::{joints, positions, probes};
 use crate::boundary::{Boundary, BoundaryError};
 use crate::cracks::Cracks;
 use crate::fracture::bond_laws::{BondLaws, Breakable};
@@ -11,7 +11,7 @@ use crate::fracture::programme::{LoadPhase, Programme};
 use crate::geometry::Outline;
 use crate::mesh::Mesh;
 use crate::model::{self, Model, Region};
-use crate::pipeline::read::plan::{Condition, Displaced, Plan, Probe};
+use crate::pipeline::read::plan::{Condition, Displaced, Plan};
 use crate::pipeline::read::source::{InputError, choices, quoted};
 use crate::support::{self, NotHeld};
 use errors::{boundary_error, model_error};
@@ -34,7 +34,7 @@ pub fn discretise(plan: &Plan, mut mesh: Mesh) -> Result<(Model, Boundary), Inpu
     let boundary = programme(plan, &model)?.phases.swap_remove(0).boundary;
     let model = model.with_node_axes(&boundary.node_axes);
     support::check(&model, &boundary).map_err(|error| not_held(plan, &model, &error))?;
-    check_probes(plan, &model)?;
+    probes::check(plan, &model)?;
     Ok((model, boundary))
 }
 
@@ -56,7 +56,8 @@ pub fn programme(plan: &Plan, model: &Model) -> Result<Programme, InputError> {
     };
     let phases: Result<Vec<LoadPhase>, InputError> =
         loading.phases.iter().enumerate().map(phase).collect();
-    Ok(Programme::new(phases?))
+    let probes = plan.probes.iter().map(|probe| probes::functional(model, probe));
+    Ok(Programme::new(phases?).with_probes(probes))
 }
 
 /// The conditions of one phase; what the other phases move is held.
@@ -105,33 +106,6 @@ fn not_held(plan: &Plan, model: &Model, error: &NotHeld) -> InputError {
     );
     plan.source.error("boundary", error.to_string(), Some(help))
 }
-
-/// A probe reads the nearest node, which tells nothing where the body is not.
-fn check_probes(plan: &Plan, model: &Model) -> Result<(), InputError> {
-    let [low, high] = model.bounds();
-    let slack = PROBE_SLACK * (high[0] - low[0]).max(high[1] - low[1]);
-    let is_off = |at: [f64; 2]| {
-        (0..2).any(|axis| at[axis] < low[axis] - slack || at[axis] > high[axis] + slack)
-    };
-    match plan.probes.iter().find(|probe| is_off(probe.at)) {
-        None => Ok(()),
-        Some(Probe {
-            name, at: [x, y], ..
-        }) => {
-            let message = format!("probe `{name}` at ({x}, {y}) m is off the body");
-            let help = format!(
-                "the body reaches from ({}, {}) to ({}, {}) m; a bare number is in metres",
-                low[0], low[1], high[0], high[1]
-            );
-            Err(plan
-                .source
-                .error(&format!("probes/{name}/at"), message, Some(help)))
-        }
-    }
-}
-
-/// Probes may be off the body by this share of its larger side: coordinates carry rounding.
-const PROBE_SLACK: f64 = 1e-6;
 
 fn apply(
     boundary: &mut Boundary,

@@ -10,7 +10,12 @@ use serde::{Deserialize, Serialize};
 pub struct Probe {
     /// A place in the box around the body; the nearest element node or material point is read.
     /// Unit: m.
-    pub at: [Scalar; 2],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<[Scalar; 2]>,
+    /// In place of `at`, two places: the displacement of the second less that of the first is
+    /// read, such as a crack mouth opening. Unit: m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub between: Option<[[Scalar; 2]; 2]>,
     /// Component of the displacement.
     pub component: Component,
     /// Expected value; the error is reported. Unit: m.

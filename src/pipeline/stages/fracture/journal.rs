@@ -72,7 +72,7 @@ impl<'a> RunJournal<'a> {
             let frames = folder.join(FRAMES_FOLDER);
             fs::create_dir_all(&frames).map_err(|source| file_error("create", &frames, source))?;
         }
-        let mut text = header(self.problem.programme.supports()) + "\n";
+        let mut text = header(self.problem.programme.supports(), &self.plan.probes) + "\n";
         for line in &self.history {
             text += &(self.csv(line) + "\n");
         }
@@ -102,9 +102,8 @@ impl<'a> RunJournal<'a> {
 
     pub fn line(&self, state: &State, record: Record, response: &Response) -> HistoryLine {
         let programme = self.problem.programme;
-        let reactions = response
-            .values()
-            .resultants(programme.phases.len(), state.load);
+        let values = response.values();
+        let reactions = values.resultants(programme, state.load);
         let before = self.history.last();
         let length = before.map_or(self.initial_length, |line| line.crack_length);
         let changes = &state.changes[state.changes.len() - record.changed..];
@@ -131,6 +130,7 @@ impl<'a> RunJournal<'a> {
             residual: record.residual,
             crack_length: length + grown.sum::<f64>(),
             reactions,
+            probes: values.probes(programme, state.load),
         }
     }
 }

@@ -4,6 +4,7 @@
 #[macro_use]
 mod say;
 mod check;
+mod conditions;
 mod new;
 mod numbers;
 mod progress;

@@ -1,5 +1,6 @@
 //! `peristitch check`, which keeps the mesh that it makes; `status` and `explain`, which write nothing.
 
+use super::conditions::conditions;
 use super::progress::Warnings;
 use crate::phases::machine_memory;
 use crate::pipeline::error::RunError;
@@ -38,6 +39,10 @@ pub(super) fn check(plan: &Plan, backend: Option<Backend>) -> Result<(), RunErro
         extract.origin,
         extract.groups.len()
     );
+    for (index, line) in conditions(plan).iter().enumerate() {
+        let title = if index == 0 { "thickness" } else { "" };
+        println!("  {title:<18}{line}");
+    }
     for (index, line) in parameter_lines(plan, &extract)?.iter().enumerate() {
         let title = if index == 0 { "parameters" } else { "" };
         println!("  {title:<18}{line}");

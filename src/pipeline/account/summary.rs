@@ -29,6 +29,9 @@ pub struct Summary {
     pub probes: Vec<ProbeSummary>,
     /// Resultant on each group that prescribes displacements [N].
     pub reactions_n: BTreeMap<String, [f64; 2]>,
+    /// Warnings of all stages, each once.
+    #[serde(default)]
+    pub warnings: Vec<String>,
     /// Relative residual of the last solve [-].
     pub residual: f64,
     #[serde(flatten)]

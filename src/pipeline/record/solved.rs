@@ -30,6 +30,8 @@ pub struct FractureRun {
     pub fragments: Vec<usize>,
     /// Why there is no solution any more, where the run ended so.
     pub reason: Option<String>,
+    /// Warnings of the run.
+    pub warnings: Vec<String>,
 }
 
 impl Solved {

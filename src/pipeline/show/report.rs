@@ -29,7 +29,8 @@ const MOST_FRAMES: usize = 2_500_000;
 /// Points of the chart that can be pointed at.
 const MOST_POINTS: usize = 1000;
 /// Keys of the summary that differ from run to run, or have a place of their own.
-const LEFT_OUT: [&str; 9] = [
+const LEFT_OUT: [&str; 10] = [
+    "warnings",
     "pipeline",
     "phases",
     "seconds",

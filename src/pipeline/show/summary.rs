@@ -32,6 +32,7 @@ impl Outcome<'_> {
             interfaces: self.interfaces(),
             probes: self.plan.probes.iter().map(|p| self.probe(p)).collect(),
             reactions_n: group_reactions(self.boundary, &solution.reaction),
+            warnings: Vec::new(),
             residual: solution.residual,
             costs: costs.summary(solution.size),
             files,

@@ -5,6 +5,7 @@
 mod journal;
 mod recorder;
 
+use super::course_warnings;
 use super::run::{Observer, Step};
 use super::validate::{laws, programme};
 use crate::fracture::control::{self, Problem, Resolution};
@@ -91,18 +92,17 @@ pub(crate) fn run(
                 state
             }
         };
-        let lost: usize = state.fragments.iter().map(Vec::len).sum();
-        if lost > 0 && state.step == 0 {
-            observer.warns(&format!(
-                "the cracks cut {lost} material points off; they do not move"
-            ));
-        }
         let start = Instant::now();
         let first = state.step;
         let mut step_start = start;
         trace.set_step(Some(first + 1));
         let ending = control::run(&problem, &mut state, phases, |state, record, response| {
             recorder.step(state, record, response)?;
+            if course_warnings::is_due(state, record.changed) {
+                course_warnings::of(&problem, state)
+                    .iter()
+                    .for_each(|warning| observer.warns(warning));
+            }
             let rate = (state.step - first) as f64 / start.elapsed().as_secs_f64();
             if let Some(line) = recorder.journal.history.last() {
                 observer.step(&step(&problem, line, rate));
@@ -115,8 +115,10 @@ pub(crate) fn run(
         trace.set_step(None);
         let ending = ending?;
         recorder.end(&state)?;
-        if let Some(warning) = nothing_broke(&problem, &state) {
-            observer.warns(&warning);
+        if !course_warnings::are_told(&state) {
+            course_warnings::of(&problem, &state)
+                .iter()
+                .for_each(|warning| observer.warns(warning));
         }
         recorder.finish(&state, ending, phases)
     })
@@ -139,20 +141,4 @@ fn step(problem: &Problem, line: &HistoryLine, steps_per_second: f64) -> Step {
         passes: line.passes,
         steps_per_second,
     }
-}
-
-/// A load that could not break a bond, told with what it has reached.
-fn nothing_broke(problem: &Problem, state: &State) -> Option<String> {
-    let Problem { model, laws, .. } = problem;
-    if state.step == 0 || !state.changes.is_empty() {
-        return None;
-    }
-    let (interaction, utilisation) = state.most_strained(model, laws)?;
-    let [a, b] = model.interactions.segment(interaction, &model.positions);
-    let [x, y] = [0, 1].map(|axis| 500.0 * (a[axis] + b[axis]));
-    Some(format!(
-        "no bond has broken: at λ = {:.4} the largest stretch is {:.0} % of its limit, at ({x:.4}, {y:.4}) mm",
-        state.load.factor,
-        100.0 * utilisation
-    ))
 }

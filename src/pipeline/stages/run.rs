@@ -2,10 +2,11 @@
 //! written; what is written appears under its name only when it is whole.
 
 mod mesh;
+mod mesh_warnings;
 mod observer;
 mod output;
 mod solve;
-mod warnings;
+mod warning_log;
 
 use crate::boundary::Boundary;
 use crate::fracture::control::Resolution;
@@ -23,6 +24,7 @@ use crate::pipeline::record::stored::read_stored;
 use crate::pipeline::show::results::Outcome;
 use crate::pipeline::stages::joints::unjoined;
 use crate::pipeline::stages::meshing::{mesh_geometry, to_mesh};
+use crate::pipeline::stages::notes::notes;
 use crate::pipeline::stages::recipe::recipe;
 use crate::pipeline::stages::validate::discretise;
 use crate::trace::{Kind, Trace};
@@ -30,6 +32,7 @@ use mesh::Meshed;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fs::File;
+use warning_log::WarningLog;
 
 pub use observer::{Observer, Step};
 
@@ -144,7 +147,7 @@ fn stored_mesh(plan: &Plan) -> Result<Option<Extract>, RunError> {
 struct Run<'a> {
     plan: &'a Plan,
     options: &'a Options,
-    observer: &'a mut dyn Observer,
+    observer: WarningLog<'a>,
     /// Costs of all stages so far, those included that an earlier run has done.
     costs: Costs,
     /// Hashes of what the stages of this run have delivered, on disk now or soon.
@@ -157,7 +160,7 @@ impl<'a> Run<'a> {
         Run {
             plan,
             options,
-            observer,
+            observer: WarningLog::new(observer),
             costs: Costs::default(),
             kept: BTreeMap::new(),
             lock: None,
@@ -198,8 +201,9 @@ impl<'a> Run<'a> {
         for sentence in unjoined(self.plan, &model) {
             self.observer.warns(&sentence);
         }
-        self.warn_of_areas(&model);
-        self.warn_of_narrow_regions(&model);
+        for note in notes(self.plan, &model, &boundary) {
+            self.observer.warns(&note);
+        }
         Ok((model, boundary))
     }
 

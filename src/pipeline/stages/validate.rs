@@ -56,7 +56,10 @@ pub fn programme(plan: &Plan, model: &Model) -> Result<Programme, InputError> {
     };
     let phases: Result<Vec<LoadPhase>, InputError> =
         loading.phases.iter().enumerate().map(phase).collect();
-    let probes = plan.probes.iter().map(|probe| probes::functional(model, probe));
+    let probes = plan
+        .probes
+        .iter()
+        .map(|probe| probes::functional(model, probe));
     Ok(Programme::new(phases?).with_probes(probes))
 }
 

@@ -51,7 +51,7 @@ impl Reader<'_> {
         if let [_, .., last] = given.as_slice() {
             let message = "a material breaks by its strength, by its energy release rate or by its \
                            fracture toughness";
-            let help = format!("keep one of {}", quoted(&given));
+            let help = format!("remove one of {}", quoted(&given));
             return Err(self.source.error(&key(last), message, Some(help)));
         }
         if compressive.is_some() && tensile.is_none() {

@@ -67,6 +67,9 @@ pub(super) fn numbers(summary: &Summary) -> Vec<[String; 2]> {
         row(name, count.to_string());
     }
     row("residual", format!("{:.1e}", summary.residual));
+    for warning in &summary.warnings {
+        row("warning", warning.clone());
+    }
     rows
 }
 

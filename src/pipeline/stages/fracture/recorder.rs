@@ -11,6 +11,7 @@ use crate::pipeline::record::solved::{FractureRun, Solved};
 use crate::pipeline::record::sparse_integrity::SparseIntegrity;
 use crate::pipeline::record::writer::{RecordWriter, StepRecord, WrittenRecord};
 use crate::pipeline::show::live_picture::LivePicture;
+use crate::pipeline::stages::course_warnings;
 use crate::statics::{Solution, Solver};
 use crate::trace::Trace;
 use std::time::Instant;
@@ -135,6 +136,7 @@ impl<'a, 'scope> Recorder<'a, 'scope> {
             ending,
             fragments: state.fragments.iter().map(Vec::len).collect(),
             reason: state.stopped.as_ref().map(|(_, reason)| reason.clone()),
+            warnings: course_warnings::of(journal.problem, state),
         };
         let solved = Solved {
             solution,

@@ -1,6 +1,6 @@
 //! The mesh stage: its result is kept only after the model has been built from it.
 
-use super::{MESH_FILE, Run};
+use super::{MESH_FILE, Observer, Run};
 use crate::gmsh::Extract;
 use crate::meshio::{self};
 use crate::output::write_whole;

@@ -1,6 +1,6 @@
 //! The output stage: files are written into a draft folder and moved when all are there.
 
-use super::Run;
+use super::{Observer, Run};
 use crate::output::write_whole;
 use crate::phases::peak_memory;
 use crate::pipeline::account::costs::Costs;
@@ -47,7 +47,10 @@ impl Run<'_> {
             files.push(REPORT_FILE.to_owned());
         }
         files.push(SUMMARY_FILE.to_owned());
-        let summary = outcome.summary(files.clone(), &self.costs);
+        let missing = outcome.missing_pictures();
+        let mut summary = outcome.summary(files.clone(), &self.costs);
+        summary.warnings.clone_from(&self.observer.warnings);
+        summary.warnings.extend(missing.clone());
         let text = serde_json::to_string_pretty(&summary).expect("a summary is plain data") + "\n";
         write_whole(&draft.path().join(SUMMARY_FILE), text.as_bytes())?;
         if self.plan.output.is_reported() {
@@ -62,7 +65,7 @@ impl Run<'_> {
             remove(&folder.join(file))?;
         }
         self.finish(Stage::Output, recipe, &files, &Costs::default())?;
-        if let Some(missing) = outcome.missing_pictures() {
+        if let Some(missing) = missing {
             self.observer.warns(&missing);
         }
         let what = format!("{} files in {}", files.len(), folder.display());

@@ -1,6 +1,6 @@
 //! The solve stage: one elastic solve, or a fracture run.
 
-use super::{Run, SOLUTION_FILE};
+use super::{Observer, Run, SOLUTION_FILE};
 use crate::boundary::Boundary;
 use crate::model::Model;
 use crate::output::write_whole;
@@ -33,6 +33,7 @@ impl Run<'_> {
             self.kept.insert(SOLUTION_FILE, stamp::hash(&bytes));
             self.observer.is_fresh(Stage::Solve);
             self.restore(Stage::Solve);
+            self.keep_warnings(&stored);
             return Ok(stored);
         }
         self.lock()?;
@@ -72,6 +73,12 @@ impl Run<'_> {
         Ok(solved)
     }
 
+    fn keep_warnings(&mut self, solved: &Solved) {
+        let course = solved.fracture.iter();
+        let warnings = course.flat_map(|course| course.warnings.clone());
+        self.observer.keeps(warnings.collect());
+    }
+
     fn break_apart(
         &mut self,
         loading: &Loading,
@@ -98,7 +105,8 @@ impl Run<'_> {
             resolution: self.options.resolution,
         };
         let (solved, WrittenRecord { frames, phases }) =
-            fracture::run(&task, self.observer, &mut costs.phases)?;
+            fracture::run(&task, self.observer.inner(), &mut costs.phases)?;
+        self.keep_warnings(&solved);
         costs.behind = phases;
         costs.frames = Some(FilesSummary::new(&frames, ""));
         Ok(solved)

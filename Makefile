@@ -22,6 +22,7 @@ help:
 
 run:
 	@bash .ci/setup run
+	@test -x $(PERISTITCH) || echo 'compiles peristitch, once: some minutes, and about 2 GB in target/'
 	@cargo build $(CARGO_FLAGS)
 	@$(PERISTITCH) run $(PIPELINE) $(ARGS)
 

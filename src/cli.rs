@@ -112,7 +112,7 @@ enum Command {
         /// Write a picture instead, by pvpython or by VTK's Python package
         #[arg(long, value_name = "FILE")]
         png: Option<PathBuf>,
-        /// The step of a fracture run to draw, one that has a frame [default: the last]
+        /// The step of a fracture run to draw, or the nearest one that has a frame [default: the last]
         #[arg(long, value_name = "STEP", requires = "png")]
         step: Option<usize>,
     },

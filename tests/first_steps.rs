@@ -342,3 +342,42 @@ fn check_tells_conditions_in_the_units_that_a_person_thinks_in() {
         assert!(out.contains(line), "{line:?} is not in\n{out}");
     }
 }
+
+/// A study of two runs with a crack on a row of points.
+#[test]
+fn a_study_keeps_its_name_and_the_warnings_of_its_runs() {
+    let place = Workplace::new();
+    let from = workplace::repository().join("tests/geo/crack_on_points.geo");
+    std::fs::copy(from, place.path("plate.geo")).expect("the geometry");
+    place.write(
+        "slit.yaml",
+        "name: slit
+geometry: { file: plate.geo, unit: mm }
+materials: { m: { young: 30 GPa, poisson: 1/3 } }
+regions: [{ group: plate, model: peridynamics, material: m, spacing: 1 mm, horizon: 3 }]
+cracks: [crack]
+boundary:
+  - { group: bottom, displacement: { x: 0, y: 0 } }
+  - { group: top, displacement: { y: 1 µm } }
+output: { pictures: false, report: true }
+sweep: { over: { regions.0.horizon: [3, 4] } }
+",
+    );
+    let out = place.call(&["sweep", "slit.yaml"]).succeeded().out;
+    let told = "warning of 2 of 2 runs: the cracks cut 16 material points off";
+    assert!(out.contains(told), "{out}");
+    let table = String::from_utf8(place.read("results/slit_sweep/sweep.csv")).expect("UTF-8");
+    assert_eq!(
+        table
+            .matches("the cracks cut 16 material points off")
+            .count(),
+        2,
+        "{table}"
+    );
+    let summary = place.read("results/slit_sweep/horizon-3/summary.json");
+    let summary: serde_json::Value = serde_json::from_slice(&summary).expect("JSON");
+    assert_eq!(summary["study"], "slit");
+    let page = String::from_utf8(place.read("results/slit_sweep/horizon-3/report.html"));
+    let page = page.expect("UTF-8");
+    assert!(page.contains("slit: horizon-3") && page.contains("16 material points off"));
+}

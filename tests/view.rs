@@ -147,14 +147,8 @@ fn the_picture_shows_the_mesh_the_damage_and_the_bar() {
         .env("PATH", "/nowhere")
         .env("VIRTUAL_ENV", repository().join(".venv"));
     let ended: workplace::Ended = missing.output().expect("the binary starts").into();
-    assert_eq!(ended.code, Some(2));
-    assert!(
-        ended
-            .err
-            .contains("no frame of step 21\n  help: there are: 0, 20, 31, 40"),
-        "{}",
-        ended.err
-    );
+    let nearest = "step 21 has no frame; the nearest one is of step 20 (";
+    assert!(ended.succeeded().err.contains(nearest));
 }
 
 #[test]

@@ -11,6 +11,7 @@ use crate::pipeline::study::sweep::Study;
 use crate::pipeline::study::table::{Row, Status, draw_charts, log_file, row, write_table};
 use crate::statics::Estimate;
 use clap::Args;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -166,6 +167,13 @@ fn print_list(study: &Study, rows: &[Row]) {
 fn print_table(study: &Study, rows: &[Row], chosen: &[usize]) {
     let done = rows.iter().filter(|row| row.status == Status::Done).count();
     println!("\n{}: {done} of {} runs are done", study.name, rows.len());
+    let mut warnings: BTreeMap<&str, usize> = BTreeMap::new();
+    for warning in rows.iter().flat_map(|row| &row.warnings) {
+        *warnings.entry(warning).or_default() += 1;
+    }
+    for (warning, count) in warnings {
+        println!("  warning of {count} of {} runs: {warning}", rows.len());
+    }
     let failed = chosen.iter().filter(|&&k| rows[k].status != Status::Done);
     for &k in failed {
         let run = &study.runs[k];

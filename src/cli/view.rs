@@ -45,7 +45,7 @@ pub(super) fn show(plan: &Plan) -> Result<(), RunError> {
 /// Draws a picture into `file`.
 pub(super) fn draw(plan: &Plan, file: &Path, step: Option<usize>) -> Result<(), RunError> {
     let script = script(plan)?;
-    step.map_or(Ok(()), |step| check_step(plan, step))?;
+    let step = step.map(|step| nearest_frame(plan, step)).transpose()?;
     // A picture that is cut off by a crash must not pass for one.
     let partial = absolute(file).with_extension("partial.png");
     let mut failures = Vec::new();
@@ -118,23 +118,23 @@ fn reason(output: &Output) -> String {
     }
 }
 
-/// The steps that can be drawn are those with a frame.
-fn check_step(plan: &Plan, step: usize) -> Result<(), InputError> {
+/// The step nearest to `step` that has a frame; of two the earlier one.
+fn nearest_frame(plan: &Plan, step: usize) -> Result<usize, InputError> {
     let fracture = read_summary(&plan.folder).and_then(|summary| summary.fracture);
     let frames = fracture.map_or_else(Vec::new, |fracture| fracture.frames);
-    if frames.contains(&step) {
-        return Ok(());
-    }
-    let there: Vec<String> = frames.iter().map(ToString::to_string).collect();
-    let help = match there.as_slice() {
-        [] => "only a run with `loading` has steps: leave --step out".to_owned(),
-        there => format!(
-            "there are: {}; `output.every` says how many",
-            there.join(", ")
-        ),
+    let nearest = frames.iter().min_by_key(|frame| frame.abs_diff(step));
+    let Some(&nearest) = nearest else {
+        let message = format!("--step: {} has no frame of step {step}", plan.name);
+        let help = "only a run with `loading` has steps: leave --step out".to_owned();
+        return Err(InputError::plain(message, Some(help)));
     };
-    let message = format!("--step: {} has no frame of step {step}", plan.name);
-    Err(InputError::plain(message, Some(help)))
+    if nearest != step {
+        eprintln!(
+            "{}: step {step} has no frame; the nearest one is of step {nearest} (`output.every` says how many there are)",
+            plan.name
+        );
+    }
+    Ok(nearest)
 }
 
 fn script(plan: &Plan) -> Result<PathBuf, RunError> {

@@ -14,6 +14,9 @@ pub const SUMMARY_FILE: &str = "summary.json";
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Summary {
     pub name: String,
+    /// Name of the study that the run belongs to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub study: Option<String>,
     /// Path of the pipeline file.
     pub pipeline: String,
     /// `solved`, or how a fracture run ended.

@@ -22,6 +22,8 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug)]
 pub struct Plan {
     pub name: String,
+    /// Name that the file gives where `--set name=…` gives another one: that of the study of a run.
+    pub study: Option<String>,
     /// `results/NAME`.
     pub folder: PathBuf,
     pub geometry: GeometryPlan,
@@ -160,6 +162,7 @@ impl Plan {
         let materials = reader.materials()?;
         Ok(Plan {
             name: reader.name()?,
+            study: yaml::written_name(&source).filter(|name| *name != spec.name),
             folder: results
                 .map_or_else(|| default_results(path), Path::to_owned)
                 .join(&spec.name),

@@ -146,3 +146,9 @@ fn located(source: &Source, error: &serde_yaml::Error, help: Option<String>) -> 
         None => source.error_in_file(message, help),
     }
 }
+
+/// The `name` in the text of the file, whatever `--set` makes of it.
+pub(super) fn written_name(source: &Source) -> Option<String> {
+    let document: Yaml = serde_yaml::from_str(source.text()).ok()?;
+    Some(document.get("name")?.as_str()?.to_owned())
+}

@@ -55,7 +55,10 @@ impl Outcome<'_> {
         summary: &Summary,
     ) -> Result<(), RunError> {
         let report = Report {
-            title: self.plan.name.clone(),
+            title: match &self.plan.study {
+                Some(study) => format!("{study}: {}", self.plan.name),
+                None => self.plan.name.clone(),
+            },
             outcome: headline(summary),
             numbers: numbers(summary),
             frames: match animation {

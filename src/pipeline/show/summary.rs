@@ -22,6 +22,7 @@ impl Outcome<'_> {
         let outcome = course.map_or("solved", |course| course.ending.describe());
         Summary {
             name: self.plan.name.clone(),
+            study: self.plan.study.clone(),
             pipeline: self.plan.source.path.display().to_string(),
             outcome: outcome.to_owned(),
             fracture: self.fracture_summary(),

@@ -24,6 +24,7 @@ pub struct Row {
     pub status: Status,
     /// Columns and what stands there.
     pub results: Vec<(String, Value)>,
+    pub warnings: Vec<String>,
 }
 
 impl Row {
@@ -64,10 +65,12 @@ pub fn row(study: &Study, run: &Run) -> Result<Row, RunError> {
         Some(summary) => Row {
             status: Status::Done,
             results: results(&summary),
+            warnings: summary.warnings,
         },
         None => Row {
             status: failure(&log_file(study, run)).map_or(Status::Missing, Status::Failed),
             results: Vec::new(),
+            warnings: Vec::new(),
         },
     })
 }
@@ -139,11 +142,11 @@ fn table(study: &Study, rows: &[Row]) -> String {
     let mut text = line(&head);
     for (run, row) in study.runs.iter().zip(rows) {
         let (status, message) = match &row.status {
-            Status::Done => ("done", ""),
-            Status::Failed(message) => ("failed", message.as_str()),
-            Status::Missing => ("missing", ""),
+            Status::Done => ("done", row.warnings.join("; ")),
+            Status::Failed(message) => ("failed", message.clone()),
+            Status::Missing => ("missing", String::new()),
         };
-        let mut cells = vec![run.name.clone(), status.to_owned(), message.to_owned()];
+        let mut cells = vec![run.name.clone(), status.to_owned(), message];
         cells.extend(run.values.iter().cloned());
         cells.extend(columns.iter().map(|&column| cell(row.result(column))));
         text += &line(&cells);

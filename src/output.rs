@@ -7,6 +7,7 @@ pub mod animation;
 pub mod colour;
 pub mod field;
 pub mod markup;
+pub mod number;
 mod packed;
 pub mod picture;
 pub mod pvd;

@@ -271,3 +271,57 @@ fn charts_name_the_events() {
         assert!(energies.contains(words), "{words}");
     }
 }
+
+/// A board of 8 × 8 squares, each of its own material or with four that repeat: one line of the legend for
+/// each material, a dozen at most.
+#[test]
+fn the_legend_of_many_regions_is_short() {
+    let place = Workplace::new();
+    let mut geo = String::from("SetFactory(\"OpenCASCADE\");\n");
+    for k in 0..64 {
+        let [i, j] = [k % 8, k / 8];
+        geo += &format!("Rectangle({}) = {{{i}, {j}, 0, 1, 1}};\n", k + 1);
+    }
+    geo += "BooleanFragments{ Surface{1:64}; Delete; }{}\n";
+    for k in 1..=64 {
+        geo += &format!("Physical Surface(\"grain {k}\") = {{{k}}};\n");
+    }
+    geo += "Physical Curve(\"low\") = Curve In BoundingBox{-0.1, -0.1, -1, 8.1, 0.1, 1};\n\
+            Physical Curve(\"high\") = Curve In BoundingBox{-0.1, 7.9, -1, 8.1, 8.1, 1};\n";
+    place.write("geo/board.geo", geo);
+    let board = |material: &dyn Fn(usize) -> usize| {
+        let mut yaml = String::from(
+            "name: board\ngeometry: { file: geo/board.geo, unit: mm }\nthickness: 1 mm\nmaterials:\n",
+        );
+        let materials: BTreeSet<usize> = (0..64).map(material).collect();
+        for m in materials {
+            yaml += &format!("  m{m}: {{ young: 30 GPa, poisson: 1/3 }}\n");
+        }
+        yaml += "regions:\n";
+        for k in 0..64 {
+            yaml += &format!(
+                "  - {{ group: grain {}, model: peridynamics, material: m{}, spacing: 0.2 mm, horizon: 3 }}\n",
+                k + 1,
+                material(k)
+            );
+        }
+        yaml += "boundary:\n  - { group: low, displacement: { x: 0, y: 0 } }\n\
+                 \x20 - { group: high, displacement: { y: 1 µm } }\n\
+                 output: { pictures: [mesh], formats: [svg], report: false }\n";
+        place.write("board.yaml", yaml);
+        place.call(&["run", "board.yaml"]).succeeded();
+        let svg = text(&place, "results/board/mesh.svg");
+        svg.split("<text ")
+            .filter_map(|text| text.split_once('>')?.1.split('<').next())
+            .filter(|text| text.contains(" points") || text.contains(" more"))
+            .map(str::to_owned)
+            .collect::<Vec<String>>()
+    };
+    let own = board(&|k| k);
+    assert_eq!(own.len(), 12, "{own:?}");
+    assert_eq!(own[0], "grain 1 (m0): peridynamics, 25 points");
+    assert_eq!(own[11], "and 53 more");
+    let four = board(&|k| k % 2 + 2 * (k / 8 % 2));
+    assert_eq!(four.len(), 4, "{four:?}");
+    assert_eq!(four[0], "grain 1 + 15 more (m0): peridynamics, 400 points");
+}

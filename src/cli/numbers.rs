@@ -1,5 +1,6 @@
 //! What a run prints when it is done: the numbers that a person wants to see, and the files.
 
+use crate::output::number::{scientific, signed_percent};
 use crate::pipeline::account::summary::{
     Event, FractureSummary, PhaseSummary, ProbeSummary, Summary,
 };
@@ -65,8 +66,10 @@ fn print_fracture(outcome: &str, fracture: &FractureSummary) {
         let reference = reference.unwrap_or_default();
         match event {
             Some(event) => println!(
-                "  {title}: step {}{reference}, at {:.4e} m and {:.4e} N",
-                event.step, event.grip_displacement_m, event.reaction_n
+                "  {title}: step {}{reference}, at {} m and {} N",
+                event.step,
+                scientific(event.grip_displacement_m, 4),
+                scientific(event.reaction_n, 4)
             ),
             None => println!("  {title}: never{reference}"),
         }
@@ -82,7 +85,7 @@ fn print_fracture(outcome: &str, fracture: &FractureSummary) {
     );
     print("peak reaction", &fracture.peak, None);
     if is_event_driven {
-        print("largest load", &fracture.envelope_peak, None);
+        print("largest load factor", &fracture.envelope_peak, None);
     }
     print(outcome, &fracture.end, reference.separated);
     if !fracture.fragments.is_empty() {
@@ -95,10 +98,12 @@ fn print_fracture(outcome: &str, fracture: &FractureSummary) {
     if let Some(reason) = &fracture.stopped_because {
         println!("  because {reason}");
     }
+    let length = fracture.crack_length_m;
+    let length = length.map(|length| format!("; crack length: {} m", scientific(length, 4)));
     println!(
-        "  bonds broken: {}; crack length: {:.4e} m",
+        "  bonds broken: {}{}",
         fracture.bonds_broken,
-        fracture.crack_length_m.unwrap_or(f64::NAN)
+        length.unwrap_or_default()
     );
 }
 
@@ -117,15 +122,6 @@ fn print_reactions(reactions: &BTreeMap<String, [f64; 2]>) {
     }
 }
 
-/// A relative error in percent, signed unless it rounds to zero.
-fn percent(error: f64) -> String {
-    let text = format!("{:+.2}", 100.0 * error);
-    match text.as_str() {
-        "+0.00" | "-0.00" => "0.00 %".to_owned(),
-        _ => text + " %",
-    }
-}
-
 fn print_probe(probe: &ProbeSummary) {
     let mut line = format!(
         "  {}: u_{} = {:.5e} m",
@@ -134,7 +130,7 @@ fn print_probe(probe: &ProbeSummary) {
     if let (Some(reference), Some(error)) = (probe.reference_m, probe.error) {
         line.push_str(&format!(
             "  ({} of the reference {reference:.4e} m)",
-            percent(error)
+            signed_percent(error)
         ));
     }
     println!("{line}");
@@ -152,20 +148,6 @@ pub(super) fn print_phases(summary: &Summary) {
             phase.seconds,
             100.0 * phase.share,
             phase.count
-        );
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn zero_percent_has_no_sign() {
-        let percents = [-2.21e-2, 4e-3, 4e-5, -4e-16, 0.0].map(percent);
-        assert_eq!(
-            percents,
-            ["-2.21 %", "+0.40 %", "0.00 %", "0.00 %", "0.00 %"]
         );
     }
 }

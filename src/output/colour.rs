@@ -22,34 +22,49 @@ pub const ZERO: Rgb = [150, 156, 164];
 /// Interfaces and cracks.
 pub const INTERFACE: Rgb = [200, 30, 45];
 
+/// Colours of regions that can be told apart.
+pub const REGION_COLOURS: usize = 12;
+
 /// Fills of regions with cells: light, so that the cells' sides stand out.
-const CELL_FILLS: [Rgb; 6] = [
+const CELL_FILLS: [Rgb; REGION_COLOURS] = [
     [205, 219, 233],
     [214, 229, 209],
     [234, 222, 202],
     [222, 213, 232],
     [207, 229, 228],
     [230, 213, 217],
+    [250, 238, 160],
+    [176, 190, 214],
+    [246, 196, 168],
+    [176, 210, 160],
+    [196, 176, 218],
+    [200, 200, 200],
 ];
 
 /// Material points, darker than any fill of cells.
-const POINT_FILLS: [Rgb; 6] = [
+const POINT_FILLS: [Rgb; REGION_COLOURS] = [
     [217, 130, 43],
     [86, 122, 168],
     [94, 145, 80],
     [144, 103, 167],
     [62, 150, 148],
     [171, 104, 87],
+    [196, 168, 40],
+    [58, 72, 120],
+    [206, 98, 142],
+    [112, 112, 112],
+    [60, 92, 48],
+    [110, 170, 214],
 ];
 
 /// Colour of the `index`-th region that consists of cells.
 pub fn cell_fill(index: usize) -> Rgb {
-    CELL_FILLS[index % CELL_FILLS.len()]
+    CELL_FILLS[index % REGION_COLOURS]
 }
 
 /// Colour of the `index`-th region that consists of material points.
 pub fn point_fill(index: usize) -> Rgb {
-    POINT_FILLS[index % POINT_FILLS.len()]
+    POINT_FILLS[index % REGION_COLOURS]
 }
 
 /// Curves of a chart, apart for colour-blind readers too: Okabe and Ito's colours but yellow, which
@@ -195,8 +210,8 @@ mod tests {
         }
     }
 
-    /// CIE lightness L* of an sRGB colour: not the one that the map is made from.
-    fn lightness(colour: Rgb) -> f64 {
+    /// CIE L*, a*, b* of an sRGB colour (D65): not the space that the map is made from.
+    fn lab(colour: Rgb) -> [f64; 3] {
         let linear = colour.map(|channel| {
             let c = f64::from(channel) / 255.0;
             if c <= 0.04045 {
@@ -205,8 +220,38 @@ mod tests {
                 ((c + 0.055) / 1.055).powf(2.4)
             }
         });
-        let y = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
-        116.0 * y.cbrt() - 16.0
+        let of_white = |row: [f64; 3], white: f64| {
+            let sum: f64 = row.iter().zip(linear).map(|(m, c)| m * c).sum();
+            let share = sum / white;
+            if share > 0.008_856 {
+                share.cbrt()
+            } else {
+                7.787 * share + 16.0 / 116.0
+            }
+        };
+        let x = of_white([0.4124, 0.3576, 0.1805], 0.9505);
+        let y = of_white([0.2126, 0.7152, 0.0722], 1.0);
+        let z = of_white([0.0193, 0.1192, 0.9505], 1.089);
+        [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+    }
+
+    fn lightness(colour: Rgb) -> f64 {
+        lab(colour)[0]
+    }
+
+    /// ΔE of 5 is seen at a glance (2.3 is just noticeable); points stand close, so more.
+    #[test]
+    fn any_two_regions_can_be_told_apart() {
+        for (fill, least) in [(cell_fill as fn(usize) -> Rgb, 7.0), (point_fill, 15.0)] {
+            for a in 0..REGION_COLOURS {
+                for b in 0..a {
+                    let [p, q] = [lab(fill(a)), lab(fill(b))];
+                    let squares = (0..3).map(|k| (p[k] - q[k]).powi(2));
+                    let apart = squares.sum::<f64>().sqrt();
+                    assert!(apart > least, "{a} {b}: {apart}");
+                }
+            }
+        }
     }
 
     #[test]

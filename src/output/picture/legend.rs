@@ -14,6 +14,7 @@ pub(super) enum Sign {
     Cells(Rgb),
     Points(Rgb),
     Line(Rgb, f64),
+    None,
 }
 
 /// A legend's sign and text.
@@ -85,6 +86,7 @@ fn draw_sign(page: &mut Page, sign: Sign, [x, y]: [i32; 2]) {
             let top = y + (KEY_SIZE - width as i32) / 2;
             page.fill_box([x, top, x + KEY_SIZE, top + width as i32], colour);
         }
+        Sign::None => {}
     }
 }
 

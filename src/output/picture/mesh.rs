@@ -1,14 +1,19 @@
 //! The mesh with its regions: what is finite elements, what is material points, and where they
 //! meet.
 
-use super::frame::{Bounds, Frame, GAP, Margins, TITLE_SIZE, title_width};
+mod colouring;
+
+use super::frame::{Bounds, Frame, GAP, Margins, TITLE_SIZE, shortened, text_width, title_width};
 use super::legend::{self, Key, Sign, in_rows};
 use super::page::Page;
 use super::raster::Raster;
 use super::shape::Shape;
 use super::ticks::grouped;
 use super::{Composition, Picture, PictureError, check_finite, square};
-use crate::output::colour::{CELL_EDGE, INK, INTERFACE, Rgb, cell_fill, point_fill, tint};
+use crate::output::colour::{
+    CELL_EDGE, INK, INTERFACE, REGION_COLOURS, Rgb, cell_fill, point_fill, tint,
+};
+use colouring::colour_indices;
 
 /// The discretisation of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,9 +22,10 @@ pub enum Filling {
     Points,
 }
 
-/// A region as the legend describes it.
+/// A part of the body with one colour and one line in the legend.
 #[derive(Clone, Debug)]
 pub struct Region {
+    /// Name in the legend, shortened where it is long.
     pub name: String,
     /// The model, as the reader calls it.
     pub model: String,
@@ -53,6 +59,8 @@ pub struct Dot {
 pub struct MeshPicture {
     pub title: String,
     pub regions: Vec<Region>,
+    /// Pairs of `regions` that touch, which get different colours.
+    pub neighbours: Vec<[usize; 2]>,
     pub cells: Vec<Patch>,
     pub points: Vec<Dot>,
     /// Interfaces of regions, drawn strongly; see [`crate::geometry::chords_of`] [m].
@@ -67,6 +75,8 @@ const INTERFACE_WIDTH: f64 = 3.0;
 const CRACK_WIDTH: f64 = 4.0;
 /// Below this spacing dots would merge: the squares are filled instead [pixels].
 const SMALLEST_DOT_SPACING: f64 = 3.0;
+/// Lines of a legend that a reader looks through.
+const MOST_KEYS: usize = 12;
 
 impl MeshPicture {
     /// # Errors
@@ -80,7 +90,7 @@ impl MeshPicture {
     pub fn compose(self) -> Result<Composition, PictureError> {
         self.check()?;
         let bounds = Bounds::of(self.positions()).ok_or(PictureError::Empty)?;
-        let keys = self.keys();
+        let keys = self.keys(i32::MAX);
         let widest_key = keys.iter().map(Key::width).max().unwrap_or(0);
         let margins = Margins {
             above: GAP + TITLE_SIZE + GAP,
@@ -89,7 +99,8 @@ impl MeshPicture {
             across: widest_key.max(title_width(&self.title)),
         };
         let mut frame = Frame::around(bounds, margins);
-        let rows = in_rows(keys, frame.page[0] - frame.plot[0]);
+        let width = frame.page[0] - frame.plot[0];
+        let rows = in_rows(self.keys(width), width);
         frame.extend_below(rows.len() as i32 * legend::ROW);
         let sides = self.sides(&frame);
         let width = edge_width(&sides);
@@ -155,12 +166,25 @@ impl MeshPicture {
 
     /// One colour per region, of the palette of its filling.
     fn colours(&self) -> Vec<Rgb> {
-        let (mut cells, mut points) = (0.., 0..);
-        let next = |region: &Region| match region.filling {
-            Filling::Cells => cells.next().map(cell_fill),
-            Filling::Points => points.next().map(point_fill),
-        };
-        self.regions.iter().filter_map(next).collect()
+        let mut colours = vec![INK; self.regions.len()];
+        for (filling, fill) in [
+            (Filling::Cells, cell_fill as fn(usize) -> Rgb),
+            (Filling::Points, point_fill),
+        ] {
+            let members: Vec<usize> = (0..self.regions.len())
+                .filter(|&region| self.regions[region].filling == filling)
+                .collect();
+            let place = |region: usize| members.binary_search(&region).ok();
+            let neighbours = self.neighbours.iter();
+            let neighbours: Vec<[usize; 2]> = neighbours
+                .filter_map(|&[a, b]| Some([place(a)?, place(b)?]))
+                .collect();
+            let indices = colour_indices(members.len(), &neighbours, REGION_COLOURS);
+            for (&region, index) in members.iter().zip(indices) {
+                colours[region] = fill(index);
+            }
+        }
+        colours
     }
 
     /// The cells' closed outlines in the plot.
@@ -231,36 +255,42 @@ fn stroked(
 }
 
 impl MeshPicture {
-    fn keys(&self) -> Vec<Key> {
-        let mut keys: Vec<Key> = self
-            .regions
-            .iter()
-            .zip(self.colours())
-            .map(region_key)
-            .collect();
+    /// The legend: at most [`MOST_KEYS`] lines, none wider than `width` [pixels].
+    fn keys(&self, width: i32) -> Vec<Key> {
         let lines = [
             (&self.interfaces, "interface", INTERFACE, INTERFACE_WIDTH),
             (&self.cracks, "crack", INK, CRACK_WIDTH),
         ];
-        for (paths, text, colour, width) in lines {
-            if !paths.is_empty() {
-                keys.push(Key {
-                    sign: Sign::Line(colour, width),
-                    text: text.to_owned(),
-                });
-            }
-        }
-        keys
+        let line = |(_, text, colour, width): (_, &str, Rgb, f64)| Key {
+            sign: Sign::Line(colour, width),
+            text: text.to_owned(),
+        };
+        let lines = lines.into_iter().filter(|(paths, ..)| !paths.is_empty());
+        let lines: Vec<Key> = lines.map(line).collect();
+        let regions = self.regions.len();
+        let shown = match regions + lines.len() {
+            all if all <= MOST_KEYS => regions,
+            _ => MOST_KEYS - lines.len() - 1,
+        };
+        let described = self.regions[..shown].iter().zip(self.colours());
+        let rest = (shown < regions).then(|| Key {
+            sign: Sign::None,
+            text: format!("and {} more", regions - shown),
+        });
+        let keys = described.map(|(region, colour)| region_key(region, colour, width));
+        keys.chain(rest).chain(lines).collect()
     }
 }
 
-fn region_key((region, colour): (&Region, Rgb)) -> Key {
+fn region_key(region: &Region, colour: Rgb, width: i32) -> Key {
     let (sign, things) = match region.filling {
         Filling::Cells => (Sign::Cells(colour), "cells"),
         Filling::Points => (Sign::Points(colour), "points"),
     };
-    let Region { name, model, .. } = region;
-    let text = format!("{name}: {model}, {} {things}", grouped(region.count));
+    let described = format!(": {}, {} {things}", region.model, grouped(region.count));
+    let taken = legend::ROW + text_width(&described);
+    let name = shortened(&region.name, width - taken, text_width);
+    let text = name + &described;
     Key { sign, text }
 }
 
@@ -299,6 +329,7 @@ mod tests {
                     region: 1,
                 })
                 .collect(),
+            neighbours: Vec::new(),
             interfaces: vec![vec![[1.0, 0.0], [1.0, 1.0]]],
             cracks: vec![vec![[1.5, 0.0], [1.5, 0.5]]],
         }
@@ -338,6 +369,47 @@ mod tests {
         assert!(count(INTERFACE) > 50);
         assert!(count(INK) > 300);
         assert!(pixels.len() - count(WHITE) > 3_000);
+    }
+
+    #[test]
+    fn a_long_name_is_cut_and_not_what_follows_it() {
+        let mut picture = picture();
+        picture.regions[0].name = "grain ".repeat(60);
+        for Key { text, .. } in picture.keys(900) {
+            assert!(text_width(&text) < 900, "{text}");
+        }
+        assert!(picture.keys(900)[0].text.ends_with("…: a model, 100 cells"));
+    }
+
+    /// A row of regions in one picture: its legend has a dozen lines, and no two in a row look alike.
+    #[test]
+    fn many_regions_share_a_short_legend() {
+        let region = |k: usize| Region {
+            name: format!("grain {k}"),
+            model: "a model".to_owned(),
+            filling: Filling::Points,
+            count: 1,
+        };
+        let dot = |region: usize| Dot {
+            centre: [region as f64, 0.0],
+            side: [1.0, 0.0],
+            region,
+        };
+        let picture = MeshPicture {
+            regions: (0..68).map(region).collect(),
+            neighbours: (1..68).map(|k| [k - 1, k]).collect(),
+            points: (0..68).map(dot).collect(),
+            interfaces: vec![vec![[0.0, 0.0], [1.0, 0.0]]],
+            ..MeshPicture::default()
+        };
+        let keys = picture.keys(1000);
+        assert_eq!(keys.len(), MOST_KEYS);
+        assert_eq!(keys[10].text, "and 58 more");
+        let drawn = picture.draw().expect("a mesh");
+        for k in 1..68 {
+            let [a, b] = [k - 1, k].map(|k| drawn.colour_at([f64::from(k), 0.2]));
+            assert_ne!(a, b, "{k}");
+        }
     }
 
     #[test]

@@ -109,6 +109,21 @@ pub struct Condition {
     pub phase: Option<usize>,
 }
 
+impl Condition {
+    fn is_zero(&self) -> bool {
+        let is_zero = |vector: [f64; 2]| vector == [0.0; 2];
+        let load = |load: &EdgeLoad| match *load {
+            EdgeLoad::Traction(traction) => is_zero(traction),
+            EdgeLoad::Pressure(pressure) => pressure == 0.0,
+        };
+        let displaced = self.displacement.iter().flat_map(|d| d.components);
+        displaced.flatten().all(|component| component == 0.0)
+            && self.loads.iter().all(load)
+            && self.force.is_none_or(is_zero)
+            && self.body_force.is_none_or(is_zero)
+    }
+}
+
 /// A prescribed displacement.
 #[derive(Clone, Copy, Debug)]
 pub struct Displaced {
@@ -128,7 +143,16 @@ pub struct Probe {
     pub reference: Option<f64>,
 }
 
+/// The warning about a plan for which [`Plan::loads_nothing`] holds.
+pub const NOTHING_LOADS: &str =
+    "nothing loads the body: every prescribed displacement and load is 0";
+
 impl Plan {
+    /// Whether every prescribed displacement and every load is zero.
+    pub fn loads_nothing(&self) -> bool {
+        self.conditions.iter().all(Condition::is_zero)
+    }
+
     /// The physical groups of the mesh that the pipeline names; some may come more than once.
     pub fn groups(&self) -> impl Iterator<Item = &str> {
         let regions = self.regions.iter().flat_map(|region| &region.groups);

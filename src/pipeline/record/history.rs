@@ -1,6 +1,7 @@
 //! `history.csv`: a line for each load step or event, written as the run goes.
 
 use crate::boundary::Boundary;
+use crate::output::number::exact;
 use crate::pipeline::read::plan::Probe;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -73,10 +74,7 @@ pub(crate) fn quoted(text: &str) -> String {
 impl HistoryLine {
     /// `phase`: its name, where there are several.
     pub(crate) fn csv(&self, phase: &str) -> String {
-        let mut text = format!(
-            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
-            self.step,
-            quoted(phase),
+        let numbers = [
             self.load_factor,
             self.envelope_load_factor,
             self.load_share,
@@ -85,16 +83,14 @@ impl HistoryLine {
             self.elastic_energy,
             self.dissipated_energy,
             self.external_work,
-            self.bonds_broken,
-            self.bonds_broken_total,
-            self.passes,
-            self.residual,
-            self.crack_length
-        );
-        for value in self.reactions.iter().flatten().chain(&self.probes) {
-            text += &format!(",{value}");
-        }
-        text
+        ];
+        let counts = [self.bonds_broken, self.bonds_broken_total, self.passes];
+        let mut cells = vec![self.step.to_string(), quoted(phase)];
+        cells.extend(numbers.map(exact));
+        cells.extend(counts.map(|count| count.to_string()));
+        cells.extend([self.residual, self.crack_length].map(exact));
+        cells.extend(self.reactions.iter().flatten().map(|&force| exact(force)));
+        cells.join(",")
     }
 }
 

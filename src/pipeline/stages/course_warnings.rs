@@ -3,6 +3,7 @@
 
 use crate::fracture::control::Problem;
 use crate::fracture::state::State;
+use crate::output::number::percent;
 use crate::pipeline::read::source::quoted;
 use std::collections::BTreeSet;
 
@@ -70,8 +71,8 @@ fn nothing_broke(problem: &Problem, state: &State) -> Option<String> {
     let [a, b] = model.interactions.segment(interaction, &model.positions);
     let [x, y] = [0, 1].map(|axis| 500.0 * (a[axis] + b[axis]));
     Some(format!(
-        "no bond has broken: at λ = {:.4} the largest stretch is {:.0} % of its limit, at ({x:.4}, {y:.4}) mm",
+        "no bond has broken: at λ = {:.4} the largest stretch is {} of its limit, at ({x:.4}, {y:.4}) mm",
         state.load.factor,
-        100.0 * utilisation
+        percent(utilisation, 0)
     ))
 }

@@ -17,7 +17,7 @@ use crate::phases::Phases;
 use crate::pipeline::account::costs::Costs;
 use crate::pipeline::account::summary::{Summary, read_summary};
 use crate::pipeline::error::RunError;
-use crate::pipeline::read::plan::Plan;
+use crate::pipeline::read::plan::{NOTHING_LOADS, Plan};
 use crate::pipeline::record::folder::{hash_of, lock, settled, sweep};
 use crate::pipeline::record::stamp::{self, Manifest, Recipe, Stage};
 use crate::pipeline::record::stored::read_stored;
@@ -198,6 +198,9 @@ impl<'a> Run<'a> {
             Ok::<_, RunError>(discretise(self.plan, to_mesh(self.plan, &mesh.extract)?)?)
         })?;
         self.costs.phases.append(phases.list);
+        if self.plan.loads_nothing() {
+            self.observer.warns(NOTHING_LOADS);
+        }
         for sentence in unjoined(self.plan, &model) {
             self.observer.warns(&sentence);
         }

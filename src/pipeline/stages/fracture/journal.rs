@@ -35,7 +35,8 @@ impl<'a> RunJournal<'a> {
         let severed = (problem.model.integrity.iter())
             .zip(&crack_lengths)
             .filter(|(phi, _)| **phi == 0.0);
-        let initial_length = severed.map(|(_, length)| length).sum();
+        // A sum of none would be minus zero.
+        let initial_length = severed.fold(0.0, |sum, (_, length)| sum + length);
         RunJournal {
             plan,
             problem,
@@ -128,7 +129,7 @@ impl<'a> RunJournal<'a> {
             bonds_broken_total: before.map_or(0, |line| line.bonds_broken_total) + record.broken,
             passes: record.passes,
             residual: record.residual,
-            crack_length: length + grown.sum::<f64>(),
+            crack_length: grown.fold(length, |sum, grown| sum + grown),
             reactions,
             probes: values.probes(programme, state.load),
         }

@@ -129,7 +129,7 @@ impl<'a> RunJournal<'a> {
             bonds_broken_total: before.map_or(0, |line| line.bonds_broken_total) + record.broken,
             passes: record.passes,
             residual: record.residual,
-            crack_length: grown.fold(length, |sum, grown| sum + grown),
+            crack_length: length + grown.fold(0.0, |sum, grown| sum + grown),
             reactions,
             probes: values.probes(programme, state.load),
         }

@@ -456,8 +456,8 @@ fn keys_and_values() {
     assert_edit(solid, &format!("{solid}{solid}"), &twice);
     assert_edit(
         "unit: mm",
-        "unit: inch",
-        &["bar.yaml:4:9", "`inch` is not a unit"],
+        "unit: furlong",
+        &["bar.yaml:4:9", "`furlong` is not a unit"],
     );
     assert_edit(
         "name: bar",

@@ -120,7 +120,9 @@ fn run(
     let mut peak = 0.0f64;
     let observe = |state: &State, record: Record, response: &Response| {
         let energy = state.energy;
-        let resultants = response.values().resultants(programme, state.load);
+        let resultants = response
+            .values()
+            .resultants([programme.phases.len(), 0], state.load);
         peak = resultants
             .iter()
             .flatten()

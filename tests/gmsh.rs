@@ -514,7 +514,7 @@ fn warnings_are_returned() {
     std::fs::write(&file, text).unwrap();
     for library in libraries() {
         let extract = extract(&library, &file, &[]);
-        let [from_gmsh, from_scan] = extract.warnings.as_slice() else {
+        let [from_scan, from_gmsh] = extract.warnings.as_slice() else {
             panic!("{:?}", extract.warnings);
         };
         assert!(from_gmsh.contains("mind the gap"), "{from_gmsh}");

@@ -12,7 +12,7 @@ const PAGE: &str = include_str!("../docs/gmsh_tutorials.md");
 const LIMIT: Duration = Duration::from_secs(120);
 
 /// Beginnings of messages, and what the page calls them.
-const OUTCOMES: [(&str, &str); 5] = [
+const OUTCOMES: [(&str, &str); 6] = [
     (" writes a file", "more than a drawing"),
     (" runs a program", "more than a drawing"),
     (" computes the name of its file", "more than a drawing"),
@@ -21,6 +21,7 @@ const OUTCOMES: [(&str, &str); 5] = [
         "the geometry has no physical surface; it has 0 plain surface(s)",
         "no surface",
     ),
+    ("there is no physical curve or point `edges`", "no surface"),
 ];
 
 /// Folders of the package, copied, since the scripts read files beside them.

@@ -102,7 +102,7 @@ fn a_picture_that_there_is_none_of_is_told() {
     let ended = place.call(&["run", "plate.yaml"]);
     assert_eq!(ended.code, Some(2));
     assert!(
-        ended.err.contains("true, false, or a list"),
+        ended.err.contains("must be `true` or `false` or a list"),
         "{}",
         ended.err
     );

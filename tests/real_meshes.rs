@@ -643,5 +643,5 @@ fn a_mesh_without_groups_is_one_region() {
     place.edit("plate.yaml", "mesh.bdf", "plate.geo");
     let ended = place.call(&["run", "plate.yaml"]);
     assert_eq!(ended.code, Some(2), "{}", ended.err);
-    assert!(ended.err.contains("`plate`"), "{}", ended.err);
+    assert!(ended.err.contains("`group: all`"), "{}", ended.err);
 }

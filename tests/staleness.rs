@@ -319,8 +319,7 @@ fn clean_removes_what_was_written_and_nothing_else() {
 #[test]
 fn what_only_looks_writes_nothing() {
     let place = Workplace::new();
-    let commands: [&[&str]; 4] = [
-        &["check", "bar.yaml"],
+    let commands: [&[&str]; 3] = [
         &["status", "bar.yaml"],
         &["explain", "bar.yaml"],
         &["run", "bar.yaml", "--dry-run", "--force"],

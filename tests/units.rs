@@ -10,12 +10,13 @@ use peristitch::boundary::Boundary;
 use peristitch::coupling::Coupling;
 use peristitch::coupling::truss::NodeArea;
 use peristitch::fem::edge::EdgeLoad;
+use peristitch::linear_solver::Backend;
 use peristitch::material::{Material, PlaneState};
 use peristitch::mesh::CellKind;
 use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings};
 use peristitch::peridynamics::lattice::Placement;
 use peristitch::phases::Phases;
-use peristitch::statics::{self, StaticsError};
+use peristitch::statics;
 use workplace::{PIPELINE, PLATE, Workplace};
 
 /// Points of the paper, isotropised, since the clip takes no others.
@@ -112,7 +113,7 @@ const LARGEST: f64 = 1e-12;
 
 /// One element of 1 m beside points 0.1 mm apart, 20 mm high and pulled: its mean strain is σ/E, since the force
 /// that crosses it is that of the load. What the strip of points does, 0.8 mm wide, is not seen from there.
-/// Clipped bonds give it to 3e-6, trusses are refused.
+/// Clipped bonds give it to 3e-6, trusses to 0.34 %.
 #[test]
 fn points_may_be_ten_thousand_times_smaller_than_elements() {
     const STRESS: f64 = 1e6;
@@ -150,16 +151,8 @@ fn points_may_be_ten_thousand_times_smaller_than_elements() {
         boundary
             .add_traction(&model, "load", EdgeLoad::Traction([STRESS, 0.0]))
             .expect("a load");
-        let solution = match statics::solve(&model, &boundary, &mut Phases::default()) {
-            Ok(solution) => solution,
-            // Trusses to three nodes of 20 mm of interface hold the points by their corners alone: told.
-            Err(StaticsError::Residual { residual, limit }) if is_truss => {
-                println!("{coupling:?}: refused with a residual of {residual:.1e}");
-                assert!(residual > limit);
-                continue;
-            }
-            Err(error) => panic!("{coupling:?}: {error}"),
-        };
+        let solution = statics::solve(&model, &boundary, &mut Phases::default());
+        let solution = solution.expect("a right solve is accepted");
         let on_interface = |n: &usize| (model.positions[*n][0] - 1.0).abs() < 1e-9;
         let nodes: Vec<usize> = (0..model.fe_node_count()).filter(on_interface).collect();
         assert_eq!(nodes.len(), 3);
@@ -180,7 +173,20 @@ fn points_may_be_ten_thousand_times_smaller_than_elements() {
             "{coupling:?}: {error:.1e}, residual {:.1e}",
             solution.residual
         );
-        assert_between(error, -1e-4, 1e-4, &format!("{coupling:?}"));
+        // Trusses to three nodes of 20 mm of interface hold the points by their corners, which pull the middle.
+        let [low, high] = match is_truss {
+            true => [3e-3, 4e-3],
+            false => [-1e-4, 1e-4],
+        };
+        assert_between(error, low, high, &format!("{coupling:?}"));
+        // Rounding has no part in it: another factorisation, in another order, leaves the same.
+        let backend = Some(Backend::Faer);
+        let other = statics::solve_by(&model, &boundary, backend, &mut Phases::default());
+        let other = other.expect("a solution").displacement;
+        let differ = (other.iter().flatten())
+            .zip(solution.displacement.iter().flatten())
+            .fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+        assert!(differ < 1e-6 * mean, "{coupling:?}: {differ:e}");
     }
 }
 

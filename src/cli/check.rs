@@ -4,7 +4,7 @@ use super::conditions::conditions;
 use super::progress::Warnings;
 use crate::phases::machine_memory;
 use crate::pipeline::error::RunError;
-use crate::pipeline::read::plan::{NOTHING_LOADS, Plan};
+use crate::pipeline::read::plan::Plan;
 use crate::pipeline::stages::parameters::parameter_lines;
 use crate::pipeline::stages::run::{self, Options};
 use crate::pipeline::stages::standing::{Standing, standings};
@@ -33,9 +33,6 @@ pub(super) fn check(plan: &Plan, backend: Option<Backend>) -> Result<(), RunErro
     let (model, boundary, extract) = run::check(plan, &Options::default(), &mut warnings)?;
     let estimate = Estimate::new(&model, &boundary, backend, plan.loading.is_some())?;
     estimate.fits(machine_memory())?;
-    if plan.loads_nothing() {
-        eprintln!("{}: warning: {NOTHING_LOADS}", plan.name);
-    }
     println!("{}: sound", plan.name);
     println!(
         "  mesh              {}, {} groups",

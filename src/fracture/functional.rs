@@ -11,7 +11,6 @@
 //! displacements −g (Betti).
 
 use super::event::Load;
-use super::programme::Programme;
 use crate::boundary::Boundary;
 use crate::model::node_axes::direction;
 use crate::statics::{Factorised, Solution};
@@ -137,18 +136,18 @@ impl Values {
         self.0[2 * phase][1]
     }
 
-    /// The resultant on each group that prescribes displacements, in alphabetical order [N].
-    pub fn resultants(&self, programme: &Programme, load: Load) -> Vec<[f64; 2]> {
-        let end = self.0.len() - programme.probes;
-        let groups = self.0[2 * programme.phases.len()..end].chunks_exact(2);
+    /// The resultant on each group that prescribes displacements, in alphabetical order [N]. `phases` and `probes`:
+    /// the numbers of both.
+    pub fn resultants(&self, [phases, probes]: [usize; 2], load: Load) -> Vec<[f64; 2]> {
+        let groups = self.0[2 * phases..self.0.len() - probes].chunks_exact(2);
         groups
             .map(|axes| [0, 1].map(|k| load.combine(axes[k])))
             .collect()
     }
 
-    /// The displacement that each probe reads [m].
-    pub fn probes(&self, programme: &Programme, load: Load) -> Vec<f64> {
-        let probes = &self.0[self.0.len() - programme.probes..];
+    /// The displacement that each of the probes reads [m]; `count`: their number.
+    pub fn probes(&self, count: usize, load: Load) -> Vec<f64> {
+        let probes = &self.0[self.0.len() - count..];
         probes.iter().map(|&value| load.combine(value)).collect()
     }
 }

@@ -17,7 +17,7 @@ use crate::mesh::grid::{Grid, name_cells, name_curve};
 use crate::model::{Method, ModelSettings, Region};
 use crate::phases::Phases;
 use crate::statics::Solver;
-use crate::verification::bodies::paper_lattice;
+use crate::verification::bodies::default_lattice;
 
 /// Two strips of finite elements and 20 × 8 material points between them, which clipped bonds tie to both.
 fn model() -> Model {
@@ -43,7 +43,7 @@ fn model() -> Model {
     };
     let regions = vec![
         region("grips", Method::FiniteElements),
-        region("points", Method::Peridynamics(paper_lattice(1.0))),
+        region("points", Method::Peridynamics(default_lattice(1.0))),
     ];
     let settings = ModelSettings {
         plane: PlaneState::Stress,

@@ -197,7 +197,7 @@ impl Plan {
                 coupling: reader.coupling()?,
             },
             regions: reader.regions(&materials, spec.plane)?,
-            cracks: spec.cracks.clone(),
+            cracks: spec.cracks.iter().map(|name| name.0.clone()).collect(),
             no_fail: spec.no_fail.clone(),
             trusses_break: matches!(&spec.coupling, spec::Coupling::Truss(t) if t.breakable),
             conditions: reader.conditions()?,

@@ -45,7 +45,7 @@ pub struct Spec {
     pub regions: Vec<Region>,
     /// Physical curves that sever bonds and trusses from the start ([rule](pipeline.md#cracks)).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub cracks: Vec<String>,
+    pub cracks: Vec<Name>,
     /// Physical surfaces: a bond or truss with an end in one of them never breaks.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub no_fail: Vec<String>,

@@ -90,6 +90,7 @@ impl HistoryLine {
         cells.extend(counts.map(|count| count.to_string()));
         cells.extend([self.residual, self.crack_length].map(exact));
         cells.extend(self.reactions.iter().flatten().map(|&force| exact(force)));
+        cells.extend(self.probes.iter().map(|&displacement| exact(displacement)));
         cells.join(",")
     }
 }

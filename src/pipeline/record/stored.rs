@@ -60,7 +60,7 @@ impl Kind {
         }
         match self {
             Kind::Mesh => postcard::from_bytes::<Extract>(bytes)
-                .is_ok_and(|extract| extract.to_mesh(1e-3).is_ok()),
+                .is_ok_and(|extract| extract.to_mesh_of(1e-3, &|_| false).is_ok()),
             Kind::Solution => is::<Solved>(bytes),
             Kind::Frame => Frame::from_file(bytes).is_ok(),
             // What the seal lets through, and what a forger could seal.

@@ -7,6 +7,7 @@ use crate::mesh::{CellKind, Mesh};
 use crate::model::{Method, Model, Region};
 use crate::pipeline::read::plan::Plan;
 use crate::pipeline::read::source::InputError;
+use std::collections::BTreeSet;
 
 /// The remedy for parts that were drawn on their own.
 const JOIN: &str = "join them: in the .geo, before the physical groups, `BooleanFragments{ Surface{:}; Delete; }{}`, or \
@@ -87,9 +88,11 @@ fn misfit_error(plan: &Plan, mesh: &Mesh, regions: &[Region], misfit: &Misfit) -
 
 fn cells_of(regions: &[Region], is_meant: impl Fn(&Region) -> bool) -> Vec<usize> {
     let meant = regions.iter().filter(|region| is_meant(region));
-    meant
+    // A cell of two regions is refused by the model.
+    let cells: BTreeSet<usize> = meant
         .flat_map(|region| region.cells.iter().copied())
-        .collect()
+        .collect();
+    cells.into_iter().collect()
 }
 
 fn owner(regions: &[Region], cell: usize) -> &str {

@@ -147,7 +147,8 @@ fn parameters_help(plan: &Plan) -> Option<String> {
 }
 
 pub(crate) fn to_mesh(plan: &Plan, extract: &Extract) -> Result<crate::mesh::Mesh, RunError> {
-    let mesh = extract.to_mesh(plan.geometry.unit_in_metres);
+    let is_named = |group: &str| plan.groups().any(|named| named == group);
+    let mesh = extract.to_mesh_of(plan.geometry.unit_in_metres, &is_named);
     Ok(mesh.map_err(|error| extract_error(plan, &error))?)
 }
 

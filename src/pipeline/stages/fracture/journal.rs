@@ -104,7 +104,8 @@ impl<'a> RunJournal<'a> {
     pub fn line(&self, state: &State, record: Record, response: &Response) -> HistoryLine {
         let programme = self.problem.programme;
         let values = response.values();
-        let reactions = values.resultants(programme, state.load);
+        let counts = [programme.phases.len(), programme.probes];
+        let reactions = values.resultants(counts, state.load);
         let before = self.history.last();
         let length = before.map_or(self.initial_length, |line| line.crack_length);
         let changes = &state.changes[state.changes.len() - record.changed..];
@@ -131,7 +132,7 @@ impl<'a> RunJournal<'a> {
             residual: record.residual,
             crack_length: length + grown.fold(0.0, |sum, grown| sum + grown),
             reactions,
-            probes: values.probes(programme, state.load),
+            probes: values.probes(programme.probes, state.load),
         }
     }
 }

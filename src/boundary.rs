@@ -1,8 +1,8 @@
 //! Supports and loads on physical groups of the mesh.
 //!
-//! [`constraints`] prescribe displacements, along [`axes`] of the nodes; [`loads`] and [`body_force`] add
+//! `constraints` prescribe displacements, along `axes` of the nodes; `loads` and `body_force` add
 //! forces. A curve acts on the finite-element nodes on it and, where it bounds a peridynamic region, on the
-//! [`layer`] of material points beside it.
+//! `layer` of material points beside it.
 
 mod axes;
 mod body_force;

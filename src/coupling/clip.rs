@@ -14,14 +14,14 @@
 //! these lines tile the plane.
 //!
 //! 1. Each strip is cut wherever its lines begin to cross other sides of the region's outline, and
-//!    where they cross more than 2 dx of the interface ([`strip`]); a part of the width w has the share
+//!    where they cross more than 2 dx of the interface (`strip`); a part of the width w has the share
 //!    φ = w/d of the strip's bonds.
-//! 2. Where it crosses the interface, ū = Σ_a (1/w) ∫ N_a dη u_a and ℓ̄ = (1/w) ∫ ℓ dη ([`side`]).
-//! 3. Each of the g chains of bonds along the line ([`chain`]) runs from ū over its sites, those within
+//! 2. Where it crosses the interface, ū = Σ_a (1/w) ∫ N_a dη u_a and ℓ̄ = (1/w) ∫ ℓ dη (`side`).
+//! 3. Each of the g chains of bonds along the line (`chain`) runs from ū over its sites, those within
 //!    dx/8 of the interface left out, to ū where it leaves. Members have the stiffness φ k/t; t may be
 //!    more than 1, and a chain without sites joins finite elements to finite elements.
 //! 4. Where the part's middle is off the line, sites stand beside their material point, at
-//!    u + Δη ∂u/∂η ([`stencil`]). Where all parts of the strip have a bond in common, their sum is the
+//!    u + Δη ∂u/∂η (`stencil`). Where all parts of the strip have a bond in common, their sum is the
 //!    plain bond, since Σ φ = 1 and Σ φ Δη = 0: away from the interface nothing is interpolated.
 //!
 //! A free side ends a chain at its last material point, as it ends a family anywhere else. No member

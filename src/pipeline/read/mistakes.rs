@@ -173,7 +173,7 @@ impl Checker<'_> {
         let others = forms.iter().filter(|form| words(form).is_none());
         allowed.extend(
             others
-                .filter(|form| !has_type(form, "null"))
+                .filter(|form| !is_null(form))
                 .map(|form| described(form)),
         );
         let message = format!(
@@ -207,6 +207,11 @@ fn has_type(form: &Schema, name: &str) -> bool {
         Some(Schema::Array(several)) => several.iter().any(|one| one == name),
         _ => false,
     }
+}
+
+/// Whether a form takes nothing but an empty value.
+fn is_null(form: &Schema) -> bool {
+    matches!(form.get("type"), Some(Schema::String(only)) if only == "null")
 }
 
 /// The words that a form lists, if it does.

@@ -66,8 +66,8 @@ fn named_unit(word: &str) -> Result<(f64, Dimension), QuantityError> {
         (&["lb", "lbm"], 0.453_592_37, MASS),
         (&["t", "tonne"], 1e3, MASS),
         (&["lbf"], 4.448_221_615_260_5, Dimension::FORCE),
-        (&["kip"], 4448.221_615_260_5, Dimension::FORCE),
-        (&["psi"], 6894.757_293_168_361, Dimension::PRESSURE),
+        (&["kip"], 4_448.221_615_260_5, Dimension::FORCE),
+        (&["psi"], 6_894.757_293_168_361, Dimension::PRESSURE),
         (&["ksi"], 6_894_757.293_168_361, Dimension::PRESSURE),
     ];
     let whole = WHOLE.iter().find(|(names, ..)| names.contains(&word));

@@ -38,7 +38,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
 /// [`write_whole`] that also outlives a loss of power.
 ///
 /// # Errors
-/// As for [`write_whole`].
+/// Same as for [`write_whole`].
 pub fn write_durable(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     write_and_rename(path, bytes, File::sync_data)?;
     // The name too; a file system that cannot sync a folder keeps its names in another way.

@@ -1,4 +1,4 @@
-//! What is easily given in the wrong unit, told by `check` in the unit that a person thinks in.
+//! Values that are easily given in the wrong unit, printed by `check` in usual units.
 
 use crate::boundary::Directions;
 use crate::model::Method;

@@ -1,4 +1,4 @@
-//! What a run prints when it is done: the numbers that a person wants to see, and the files.
+//! Closing lines of a run: the main numbers, and the files.
 
 use crate::output::number::{scientific, signed_percent};
 use crate::pipeline::account::summary::{
@@ -50,7 +50,7 @@ pub(super) fn print_files(plan: &Plan, summary: &Summary) {
     }
 }
 
-/// What one does next with a result.
+/// Next command for a result.
 pub(super) fn print_next(plan: &Plan) {
     let pipeline = plan.source.path.display();
     if plan.spec.sweep.is_some() {
@@ -136,7 +136,7 @@ fn print_probe(probe: &ProbeSummary) {
     println!("{line}");
 }
 
-/// What the time went into, the most first.
+/// Phases by their time, the longest first.
 pub(super) fn print_phases(summary: &Summary) {
     let mut phases: Vec<&PhaseSummary> = summary.costs.phases.iter().collect();
     phases.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));

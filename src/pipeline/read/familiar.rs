@@ -107,7 +107,7 @@ const FAMILIAR: [(&[&str], &str, &str); 12] = [
     ),
 ];
 
-/// What to write in place of a word that is no key, where one of the `valid` keys corresponds to it.
+/// Advice for a word that is no key, where one of the `valid` keys corresponds to it.
 pub(super) fn advice(word: &str, valid: &[&str]) -> Option<&'static str> {
     let plain = word.to_lowercase().replace(['_', '-', ' ', '\''], "");
     let fits = |(words, key, _): &&(&[&str], &str, &str)| {

@@ -97,7 +97,7 @@ pub struct Condition {
     pub group: String,
     /// `None`: the group is one of the mesh. Otherwise it is made of what is selected.
     pub selection: Option<Selection>,
-    /// Where it stands in the pipeline.
+    /// Place in the pipeline.
     pub key: String,
     pub displacement: Option<Displaced>,
     pub loads: Vec<EdgeLoad>,

@@ -1,4 +1,4 @@
-//! What of a model is no error, and yet to be told: `check` and every run tell the same.
+//! Notes on a model that are no errors: `check` and every run print the same.
 
 use crate::boundary::Boundary;
 use crate::coupling::Coupling;

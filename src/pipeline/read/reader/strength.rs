@@ -1,4 +1,4 @@
-//! What breaks the bonds of a material: its strengths, or its energy release rate.
+//! Failure of a material: its strengths, or its energy release rate.
 
 use super::Reader;
 use crate::fracture::laws::Strength;
@@ -8,7 +8,7 @@ use crate::pipeline::read::source::{InputError, quoted};
 use crate::pipeline::read::spec;
 
 impl Reader<'_> {
-    /// What breaks the bonds of the material `name`; `None`: nothing.
+    /// Strength of the bonds of the material `name`; `None`: they never break.
     pub(super) fn strength(
         &self,
         name: &str,

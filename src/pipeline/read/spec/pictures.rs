@@ -28,7 +28,7 @@ pub enum PictureKind {
     Energies,
 }
 
-/// Which pictures are drawn: `true`, `false`, or a list.
+/// Choice of the pictures: `true`, `false`, or a list.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Pictures {
     Usual,

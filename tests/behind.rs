@@ -20,7 +20,7 @@ fn run(threads: &str) -> (Workplace, Value) {
     (place, serde_json::from_slice(&summary).expect("JSON"))
 }
 
-/// Which thread writes a file does not show in it.
+/// A file does not depend on the thread that writes it.
 #[test]
 fn one_thread_and_two_write_the_same_files() {
     let [(one, of_one), (two, of_two)] = ["1", "2"].map(run);

@@ -1,4 +1,4 @@
-//! What a person of the field writes first, before reading the manual: it is taken, or answered with what to write.
+//! First pipelines of people of the field: their words are taken, or answered with the key to write.
 
 mod workplace;
 
@@ -129,7 +129,7 @@ fn an_angle_without_a_unit_above_one_turn_is_refused() {
     place.assert_refused(&["sweep", "bar.yaml"], 2, &message);
 }
 
-/// What `check` warns of in a pipeline of one of the geometries of `tests/geo`.
+/// Warnings of `check` for a pipeline of one of the geometries of `tests/geo`.
 fn warnings(geometry: &str, rest: &str) -> Vec<String> {
     let place = Workplace::new();
     let from = workplace::repository().join("tests/geo").join(geometry);

@@ -26,7 +26,7 @@ fn the_plate_of_the_example_is_as_long_as_it_should_be() {
     assert!((error + 1e-3).abs() < 5e-5, "{error}");
 }
 
-/// What a model is built from: a bar, elements on the left, points on the right.
+/// Mesh, regions and settings of a bar: elements on the left, points on the right.
 struct Input {
     mesh: Mesh,
     regions: Vec<Region>,

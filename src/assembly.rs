@@ -61,7 +61,7 @@ impl Pattern {
         let pairs_at = Lists::collect(nodes, || pairs().map(|(s, lower, _)| (lower, s)));
         let lower_ends = Lists::collect(nodes, || pairs().map(|(_, lower, upper)| (upper, lower)));
         let others = || {
-            let others = interactions.clipped_bonds();
+            let others = interactions.pairs().len()..interactions.len();
             others.filter(|&s| interactions.stiffness[s] != 0.0)
         };
         let others_at = Lists::collect(nodes, || {
@@ -301,6 +301,7 @@ mod tests {
             [&[(0, 0.7), (3, 0.3)], &[(2, 0.6), (3, 0.4)]],
             7.0,
         );
+        interactions.push_cell(&[(0, [0.5, -2.0]), (3, [1.5, 1.0])], 1.0, 11.0);
         let matrix = DMatrix::from_fn(6, 6, |i, j| ((i + 1) * (j + 1)) as f64);
         let elements = [ElementStiffness {
             nodes: vec![2, 0, 3],

@@ -1,5 +1,5 @@
-//! Interactions: what bonds, trusses and clipped bonds have in common, K = k n⊗n, Qian et al. (2021),
-//! eqs. (19) and (20).
+//! Interactions: what bonds, trusses, clipped bonds and cells have in common, K = k w wᵀ, Qian et al. (2021),
+//! eqs. (19) and (20) for bonds.
 //!
 //! An interaction is one scalar functional of the displacement, the elongation e, with an energy. Its
 //! integrity φ is 1 while it is whole and 0 when it is broken; it is state, and not stored here.
@@ -9,12 +9,20 @@
 //! ```
 //!
 //! Bonds and trusses join two nodes. A clipped bond has ends anywhere, whose displacements are
-//! u_A = Σ α_a u_a and u_B = Σ β_a u_a. With n = (x_B − x_A)/ξ all are
+//! u_A = Σ α_a u_a and u_B = Σ β_a u_a. With n = (x_B − x_A)/ξ all three are *axial*,
 //!
 //! ```text
 //! e = n·(u_B − u_A) = Σ_a w_a·u_a,   w_a = (β_a − α_a) n
 //! ```
+//!
+//! A cell has any w_a: e is a component of its mean strain times its length, the lattice's spacing. It has no
+//! ends and no direction.
 
+mod clipped;
+mod functionals;
+
+use clipped::ClippedBonds;
+use functionals::Functionals;
 use std::ops::Range;
 
 /// The kinds of interactions, in the order of their numbers.
@@ -26,40 +34,20 @@ pub enum InteractionKind {
     Truss,
     /// A part of a bond that ends at an interface, where it moves with the finite elements.
     ClippedBond,
+    /// A component of the mean strain of some nodes.
+    Cell,
 }
 
-/// Interactions in one numbering: the bonds, then the trusses, then the clipped bonds.
+/// Interactions in one numbering: the bonds, then the trusses, then the clipped bonds, then the cells.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Interactions {
     bond_count: usize,
     /// Nodes of the bonds, then of the trusses.
     pairs: Vec<[u32; 2]>,
     clipped: ClippedBonds,
+    cells: Functionals,
     /// Stiffness k of every interaction [N/m].
     pub stiffness: Vec<f64>,
-}
-
-/// Clipped bonds; the i-th one has the entries `start[i]..start[i + 1]` of `nodes` and `shares`.
-#[derive(Clone, Debug, PartialEq)]
-struct ClippedBonds {
-    start: Vec<usize>,
-    /// Nodes of each clipped bond, ascending, each once.
-    nodes: Vec<u32>,
-    /// Shares α and β of each node [-].
-    shares: Vec<[f64; 2]>,
-    /// Ends x_A and x_B of each clipped bond [m].
-    segments: Vec<[[f64; 2]; 2]>,
-}
-
-impl Default for ClippedBonds {
-    fn default() -> ClippedBonds {
-        ClippedBonds {
-            start: vec![0],
-            nodes: Vec::new(),
-            shares: Vec::new(),
-            segments: Vec::new(),
-        }
-    }
 }
 
 impl Interactions {
@@ -93,7 +81,17 @@ impl Interactions {
 
     /// Numbers of the clipped bonds.
     pub fn clipped_bonds(&self) -> Range<usize> {
-        self.pairs.len()..self.len()
+        self.pairs.len()..self.cells().start
+    }
+
+    /// Numbers of the cells.
+    pub fn cells(&self) -> Range<usize> {
+        self.len() - self.cells.lengths.len()..self.len()
+    }
+
+    /// Numbers of the interactions with two ends: all but the cells.
+    pub fn axial(&self) -> Range<usize> {
+        0..self.cells().start
     }
 
     pub fn kind(&self, interaction: usize) -> InteractionKind {
@@ -101,12 +99,14 @@ impl Interactions {
             InteractionKind::Bond
         } else if interaction < self.pairs.len() {
             InteractionKind::Truss
-        } else {
+        } else if interaction < self.cells().start {
             InteractionKind::ClippedBond
+        } else {
+            InteractionKind::Cell
         }
     }
 
-    /// Both nodes of an interaction that joins two; `None` for a clipped bond.
+    /// Both nodes of a bond or truss; `None` for the others.
     pub fn pair(&self, interaction: usize) -> Option<[u32; 2]> {
         self.pairs.get(interaction).copied()
     }
@@ -128,6 +128,13 @@ impl Interactions {
         self.pairs.push(pair);
     }
 
+    /// Adds a cell, e = Σ w_a·u_a, with w_a [-] of its nodes, ascending, each once, and its stiffness [N/m]; e is a
+    /// strain times `length` [m].
+    pub fn push_cell(&mut self, terms: &[(u32, [f64; 2])], length: f64, stiffness: f64) {
+        self.cells.push(terms, length);
+        self.stiffness.push(stiffness);
+    }
+
     /// Adds a clipped bond from `segment[0]` to `segment[1]` [m]. `ends`: the nodes from which the
     /// displacement of either end is interpolated, with their shares α, β; a node may come more than once.
     pub fn push_clipped_bond(
@@ -136,23 +143,8 @@ impl Interactions {
         ends: [&[(u32, f64)]; 2],
         stiffness: f64,
     ) {
-        let all = &mut self.clipped;
-        let first = all.nodes.len();
-        let mut terms: Vec<(u32, usize, f64)> = Vec::new();
-        for (end, shares) in ends.into_iter().enumerate() {
-            terms.extend(shares.iter().map(|&(node, share)| (node, end, share)));
-        }
-        terms.sort_by_key(|&(node, end, _)| (node, end));
-        for (node, end, share) in terms {
-            if all.nodes[first..].last() != Some(&node) {
-                all.nodes.push(node);
-                all.shares.push([0.0; 2]);
-            }
-            all.shares.last_mut().expect("just pushed")[end] += share;
-        }
-        all.start.push(all.nodes.len());
-        all.segments.push(segment);
-        self.stiffness.push(stiffness);
+        self.clipped.push(segment, ends);
+        self.stiffness.insert(self.cells().start, stiffness);
     }
 
     /// Adds all of `other`, each kind after its own.
@@ -161,26 +153,24 @@ impl Interactions {
             *self = other;
             return;
         }
+        let cells = other.stiffness.split_off(other.cells().start);
         let clipped = other.stiffness.split_off(other.pairs.len());
         let trusses = other.stiffness.split_off(other.bond_count);
+        let end = self.cells().start;
+        self.stiffness.extend(cells);
+        self.stiffness.splice(end..end, clipped);
         let end = self.pairs.len();
-        self.stiffness.extend(clipped);
         self.stiffness.splice(end..end, trusses);
         let end = self.bond_count;
         self.stiffness.splice(end..end, other.stiffness);
         self.pairs.extend(other.pairs.split_off(other.bond_count));
         self.pairs.splice(end..end, other.pairs);
         self.bond_count += other.bond_count;
-        let (all, more) = (&mut self.clipped, &mut other.clipped);
-        let offset = all.nodes.len();
-        all.start
-            .extend(more.start[1..].iter().map(|&start| offset + start));
-        all.nodes.append(&mut more.nodes);
-        all.shares.append(&mut more.shares);
-        all.segments.append(&mut more.segments);
+        self.clipped.append(&mut other.clipped);
+        self.cells.append(&mut other.cells);
     }
 
-    /// Keeps those of the bonds for which `keep` is true, and all trusses and clipped bonds.
+    /// Keeps those of the bonds for which `keep` is true, and all other interactions.
     pub fn retain_bonds(&mut self, mut keep: impl FnMut([u32; 2]) -> bool) {
         let bonds = &self.pairs[..self.bond_count];
         let kept: Vec<bool> = bonds.iter().map(|&pair| keep(pair)).collect();
@@ -196,56 +186,65 @@ impl Interactions {
     pub fn nodes(&self, interaction: usize) -> &[u32] {
         match self.place(interaction) {
             Place::Pair(pair) => pair,
-            Place::Clipped(i) => &self.clipped.nodes[self.clipped.range(i)],
+            Place::Clipped(i) => self.clipped.nodes(i),
+            Place::Cell(i) => self.cells.nodes(i),
         }
     }
 
-    /// Ends A and B of an interaction [m].
+    /// Ends A and B of an axial interaction [m].
+    ///
+    /// # Panics
+    /// Panics for a cell.
     pub fn segment(&self, interaction: usize, positions: &[[f64; 2]]) -> [[f64; 2]; 2] {
         match self.place(interaction) {
             Place::Pair(pair) => pair.map(|node| positions[node as usize]),
             Place::Clipped(i) => self.clipped.segments[i],
+            Place::Cell(_) => panic!("a cell has no ends"),
         }
     }
 
-    /// Length ξ [m] and direction n of an interaction.
+    /// Length ξ [m] and direction n of an axial interaction.
+    ///
+    /// # Panics
+    /// Panics for a cell.
     pub fn axis(&self, interaction: usize, positions: &[[f64; 2]]) -> (f64, [f64; 2]) {
         axis_of(self.segment(interaction, positions))
     }
 
-    /// Length ξ [m].
+    /// Length ξ [m]; of a cell the length over which it is a strain.
     pub fn length(&self, interaction: usize, positions: &[[f64; 2]]) -> f64 {
-        self.axis(interaction, positions).0
+        match self.place(interaction) {
+            Place::Cell(i) => self.cells.lengths[i],
+            _ => self.axis(interaction, positions).0,
+        }
     }
 
-    /// Displacements of A and B [m].
+    /// Displacements of A and B of an axial interaction [m].
+    ///
+    /// # Panics
+    /// Panics for a cell.
     pub fn end_displacements(
         &self,
         interaction: usize,
         displacement: &[[f64; 2]],
     ) -> [[f64; 2]; 2] {
-        let i = match self.place(interaction) {
-            Place::Pair(pair) => return pair.map(|node| displacement[node as usize]),
-            Place::Clipped(i) => i,
-        };
-        let mut ends = [[0.0; 2]; 2];
-        for k in self.clipped.range(i) {
-            let u = displacement[self.clipped.nodes[k] as usize];
-            for (end, share) in ends.iter_mut().zip(self.clipped.shares[k]) {
-                end[0] += share * u[0];
-                end[1] += share * u[1];
-            }
+        match self.place(interaction) {
+            Place::Pair(pair) => pair.map(|node| displacement[node as usize]),
+            Place::Clipped(i) => self.clipped.end_displacements(i, displacement),
+            Place::Cell(_) => panic!("a cell has no ends"),
         }
-        ends
     }
 
-    /// Stretch s = n·(u_B − u_A)/ξ for small displacements [-].
+    /// Stretch s = n·(u_B − u_A)/ξ for small displacements; of a cell its component of the mean strain [-].
     pub fn stretch(
         &self,
         interaction: usize,
         positions: &[[f64; 2]],
         displacement: &[[f64; 2]],
     ) -> f64 {
+        if let Place::Cell(i) = self.place(interaction) {
+            return self.cells.value(i, displacement) / self.cells.lengths[i];
+        }
         let (length, n) = self.axis(interaction, positions);
         let [ua, ub] = self.end_displacements(interaction, displacement);
         (n[0] * (ub[0] - ua[0]) + n[1] * (ub[1] - ua[1])) / length
@@ -258,16 +257,18 @@ impl Interactions {
         positions: &[[f64; 2]],
         mut visit: impl FnMut(u32, [f64; 2]),
     ) {
-        let (_, n) = self.axis(interaction, positions);
+        let axis = || self.axis(interaction, positions).1;
         match self.place(interaction) {
             Place::Pair(&[a, b]) => {
+                let n = axis();
                 visit(a, n.map(|n| -n));
                 visit(b, n);
             }
+            Place::Cell(i) => self.cells.terms(i).for_each(|(node, w)| visit(node, w)),
             Place::Clipped(i) => {
-                for k in self.clipped.range(i) {
-                    let [alpha, beta] = self.clipped.shares[k];
-                    visit(self.clipped.nodes[k], n.map(|n| (beta - alpha) * n));
+                let n = axis();
+                for (node, [alpha, beta]) in self.clipped.shares(i) {
+                    visit(node, n.map(|n| (beta - alpha) * n));
                 }
             }
         }
@@ -276,7 +277,10 @@ impl Interactions {
     fn place(&self, interaction: usize) -> Place<'_> {
         match self.pairs.get(interaction) {
             Some(pair) => Place::Pair(pair),
-            None => Place::Clipped(interaction - self.pairs.len()),
+            None => match interaction.checked_sub(self.cells().start) {
+                Some(i) => Place::Cell(i),
+                None => Place::Clipped(interaction - self.pairs.len()),
+            },
         }
     }
 }
@@ -284,12 +288,7 @@ impl Interactions {
 enum Place<'a> {
     Pair(&'a [u32; 2]),
     Clipped(usize),
-}
-
-impl ClippedBonds {
-    fn range(&self, i: usize) -> std::ops::Range<usize> {
-        self.start[i]..self.start[i + 1]
-    }
+    Cell(usize),
 }
 
 /// Length ξ [m] and direction n of the segment between two points.
@@ -316,6 +315,7 @@ mod tests {
             [&[(2, 0.25), (1, 0.75)], &[(1, 0.5), (0, 0.25), (1, 0.25)]],
             3.0,
         );
+        interactions.push_cell(&[(0, [1.0, -2.0]), (2, [0.5, 4.0])], 0.5, 7.0);
         interactions
     }
 
@@ -337,7 +337,7 @@ mod tests {
     fn the_terms_are_the_elongation() {
         let interactions = interactions();
         let u = [[0.3, -0.2], [0.5, 0.7], [-0.4, 0.1]];
-        for s in 0..2 {
+        for s in 0..3 {
             let mut sum = 0.0;
             let mut seen = Vec::new();
             interactions.for_each_term(s, &POSITIONS, |node, w| {
@@ -361,28 +361,30 @@ mod tests {
         all.push_truss([1, 2], 5.0);
         all.append(interactions());
         assert_eq!(all.pairs(), [[0, 1], [0, 1], [1, 2]]);
-        assert_eq!(all.stiffness, [2.0, 2.0, 5.0, 3.0, 3.0]);
+        assert_eq!(all.stiffness, [2.0, 2.0, 5.0, 3.0, 3.0, 7.0, 7.0]);
         assert_eq!(
-            [all.bonds(), all.trusses(), all.clipped_bonds()],
-            [0..2, 2..3, 3..5]
+            [all.bonds(), all.trusses(), all.clipped_bonds(), all.cells()],
+            [0..2, 2..3, 3..5, 5..7]
         );
-        let kinds = [1, 2, 3].map(|k| all.kind(k));
+        let kinds = [1, 2, 3, 5].map(|k| all.kind(k));
         let expected = [
             InteractionKind::Bond,
             InteractionKind::Truss,
             InteractionKind::ClippedBond,
+            InteractionKind::Cell,
         ];
         assert_eq!(kinds, expected);
         for k in all.clipped_bonds() {
             assert_eq!(all.nodes(k), [0, 1, 2]);
             assert_eq!(all.segment(k, &POSITIONS), [[0.2, 0.2], [0.5, 0.4]]);
         }
+        assert_eq!(all.nodes(6), [0, 2]);
         assert_eq!(all.segment(2, &POSITIONS), [POSITIONS[1], POSITIONS[2]]);
         let mut fewer = all.clone();
         let mut first = true;
         fewer.retain_bonds(|_| std::mem::take(&mut first));
         assert_eq!(fewer.pairs(), [[0, 1], [1, 2]]);
-        assert_eq!(fewer.stiffness, [2.0, 5.0, 3.0, 3.0]);
+        assert_eq!(fewer.stiffness, [2.0, 5.0, 3.0, 3.0, 7.0, 7.0]);
         assert_eq!(fewer.bonds(), 0..1);
         assert_eq!(fewer.nodes(2), [0, 1, 2]);
     }

@@ -198,12 +198,13 @@ impl Model {
             return self;
         }
         let positions = &self.positions;
-        let interactions = (0..self.interactions.len()).into_par_iter();
+        let interactions = self.interactions.axial().into_par_iter();
         let integrity = interactions.map(|s| {
             let [a, b] = self.interactions.segment(s, positions);
             if cracks.sever(a, b) { 0.0 } else { 1.0 }
         });
-        self.integrity = integrity.collect();
+        let severed: Vec<f64> = integrity.collect();
+        self.integrity[..severed.len()].copy_from_slice(&severed);
         self
     }
 
@@ -295,7 +296,7 @@ impl Model {
 
     /// Number of interactions that tie finite elements to material points, and their name.
     pub fn ties(&self) -> (usize, &'static str) {
-        let count = self.interactions.len() - self.interactions.bonds().len();
+        let count = self.interactions.axial().len() - self.interactions.bonds().len();
         (count, self.settings.coupling.tie().name())
     }
 

@@ -149,8 +149,9 @@ fn connected_parts(model: &Model, integrity: &[f64]) -> Vec<Vec<usize>> {
         let (a, b) = (root(&mut parent, a), root(&mut parent, b));
         parent[a.max(b) as usize] = a.min(b);
     };
-    for (s, &phi) in integrity.iter().enumerate() {
-        if phi > 0.0 && model.interactions.stiffness[s] != 0.0 {
+    // A cell never holds what its bonds do not.
+    for s in model.interactions.axial() {
+        if integrity[s] > 0.0 && model.interactions.stiffness[s] != 0.0 {
             let nodes = model.interactions.nodes(s);
             nodes.windows(2).for_each(|pair| join(pair[0], pair[1]));
         }

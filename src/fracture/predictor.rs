@@ -321,7 +321,7 @@ impl Predictor<'_> {
         for &interaction in &run.zone.interactions {
             is_outside[interaction] = false;
         }
-        let all = (0..is_outside.len()).into_par_iter();
+        let all = self.problem.model.interactions.axial().into_par_iter();
         let outside = all.filter(|&interaction| is_outside[interaction]);
         // False for what is not a number.
         let is_exact = ends[1].residual() <= DRIFT;
@@ -359,7 +359,7 @@ impl Predictor<'_> {
             return None;
         }
         let last = self.load.factor;
-        let bounds = (0..self.integrity.len())
+        let bounds = (self.problem.model.interactions.axial())
             .into_par_iter()
             .filter(|&s| self.integrity[s] > 0.0)
             .map(|s| {

@@ -296,7 +296,7 @@ fn intact<'a>(
     problem: &Problem,
     state: &'a State,
 ) -> impl ParallelIterator<Item = usize> + use<'a> {
-    let interactions = (0..problem.model.interactions.len()).into_par_iter();
+    let interactions = problem.model.interactions.axial().into_par_iter();
     interactions
         .with_min_len(4096)
         .filter(|&s| state.integrity[s] > 0.0)

@@ -197,7 +197,10 @@ impl State {
 
     /// The interaction nearest to a limit, and its stretch over that [-].
     pub fn most_strained(&self, model: &Model, laws: &BondLaws) -> Option<(usize, f64)> {
-        let intact = (0..model.interactions.len()).filter(|&s| self.integrity[s] > 0.0);
+        let intact = model
+            .interactions
+            .axial()
+            .filter(|&s| self.integrity[s] > 0.0);
         let utilised = intact.map(|s| {
             let limits = laws.limits(s, self.integrity[s]);
             (s, limits.utilisation(self.stretch(model, s)))

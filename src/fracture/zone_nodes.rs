@@ -29,7 +29,7 @@ pub fn zone_nodes(
     count: usize,
 ) -> Vec<usize> {
     let model = problem.model;
-    let strained: Vec<(usize, f64)> = (0..model.interactions.len())
+    let strained: Vec<(usize, f64)> = (model.interactions.axial())
         .into_par_iter()
         .filter(|&s| integrity[s] > 0.0)
         .map(|s| {
@@ -120,7 +120,7 @@ fn tips(problem: &Problem, integrity: &[f64], strained: &[(usize, f64)], horizon
     }
     let places: Vec<[f64; 2]> = clusters.iter().map(|c| mean(c)).collect();
     let mut wakes = vec![Vec::new(); places.len()];
-    for interaction in (0..integrity.len()).filter(|&s| integrity[s] == 0.0) {
+    for interaction in (problem.model.interactions.axial()).filter(|&s| integrity[s] == 0.0) {
         let broken = middle(problem, interaction);
         for (wake, &place) in wakes.iter_mut().zip(&places) {
             if distance(broken, place) < WAKE * horizon {

@@ -50,10 +50,12 @@ impl Model {
         self.points.iter().find(|points| points.region == leader)
     }
 
-    /// The peridynamic regions in which an interaction begins and ends; `None` between finite elements.
+    /// The peridynamic regions in which an interaction begins and ends; `None` between finite elements, and for a
+    /// cell.
     pub fn regions_of_interaction(&self, interaction: usize) -> Option<[usize; 2]> {
         let Some(pair) = self.interactions.pair(interaction) else {
-            return self.clipped_regions[interaction - self.interactions.clipped_bonds().start];
+            let clipped = interaction - self.interactions.clipped_bonds().start;
+            return self.clipped_regions.get(clipped).copied().flatten();
         };
         let regions = pair.map(|node| self.region_of_point(node as usize));
         let first = regions[0].or(regions[1])?;

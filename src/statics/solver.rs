@@ -300,6 +300,6 @@ impl<'a> Solver<'a> {
         let acts = |&s: &usize| {
             interactions.stiffness[s] != 0.0 && interactions.nodes(s).contains(&(node as u32))
         };
-        (0..interactions.len()).filter(acts).count()
+        interactions.axial().filter(acts).count()
     }
 }

@@ -192,7 +192,7 @@ impl Parts<'_> {
     /// Bonds and trusses with stiffness.
     fn bonds(&self, frame: &Frame) -> Part {
         let model = self.model;
-        let stiff: Vec<usize> = (0..model.interactions.len())
+        let stiff: Vec<usize> = (model.interactions.axial())
             .filter(|&s| model.interactions.stiffness[s] != 0.0)
             .collect();
         let mut points = model.positions.clone();

@@ -16,9 +16,10 @@ use peristitch::model::{self, Model, ModelSettings, PeridynamicSettings, Region}
 use peristitch::peridynamics::kernel::{Kernel, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
 use peristitch::peridynamics::surface::SurfaceCorrection;
-use peristitch::phases::{Phases, peak_memory};
+use peristitch::phases::{collect, peak_memory};
 use peristitch::statics::Solver;
 use peristitch::support;
+use peristitch::trace::Trace;
 use std::time::Instant;
 
 /// A clamped side, a pulled one.
@@ -43,14 +44,14 @@ fn main() {
         support::check(&model, &boundary).expect("it is clamped");
         assert!(support::loose_parts(&model, &boundary, &model.integrity).is_empty());
     });
-    let mut phases = Phases::default();
-    let solver = step("structure", || {
-        Solver::with_backend(&model, &boundary, backend, &mut phases).expect("a structure")
-    });
-    let solution = step("solve", || {
-        solver
-            .solve(&model.integrity, &[], &mut phases)
-            .expect("a solution")
+    let (solution, phases) = collect(&Trace::default(), || {
+        let solver = step("structure", || {
+            Solver::with_backend(&model, &boundary, backend).expect("a structure")
+        });
+        step("solve", || {
+            let solved = solver.solve(&model.integrity, &[]);
+            solved.expect("a solution")
+        })
     });
     for phase in &phases.list {
         println!("  {:<14} {:>8.2}", phase.name, phase.time.as_secs_f64());

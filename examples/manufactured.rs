@@ -24,7 +24,6 @@ use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings, Regio
 use peristitch::peridynamics::kernel::{Kernel, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
 use peristitch::peridynamics::surface::SurfaceCorrection;
-use peristitch::phases::Phases;
 use peristitch::statics;
 use std::error::Error;
 
@@ -58,7 +57,7 @@ pub fn error(coupling: Coupling, count: usize, ratio: f64) -> Result<f64, Box<dy
             }
         }
     }
-    let solution = statics::solve(&model, &boundary, &mut Phases::default())?;
+    let solution = statics::solve(&model, &boundary)?;
     let (mut square, mut scale) = (0.0, 0.0);
     for (u, x) in solution.displacement.iter().zip(&model.positions) {
         if !is_outer(x) {

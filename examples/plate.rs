@@ -15,7 +15,6 @@ use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings, Regio
 use peristitch::peridynamics::kernel::{Kernel, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
 use peristitch::peridynamics::surface::SurfaceCorrection;
-use peristitch::phases::Phases;
 use peristitch::statics;
 use std::error::Error;
 
@@ -74,7 +73,7 @@ pub fn elongation() -> Result<[f64; 2], Box<dyn Error>> {
         .prescribed
         .insert(2 * corner + 1, (0.0, "corner".to_owned()));
     boundary.add_traction(&model, "right", EdgeLoad::Traction([TRACTION, 0.0]))?;
-    let solution = statics::solve(&model, &boundary, &mut Phases::default())?;
+    let solution = statics::solve(&model, &boundary)?;
     let tip = nearest(&model, [1.0, 0.1]);
     Ok([solution.displacement[tip][0], TRACTION * 1.0 / YOUNG])
 }

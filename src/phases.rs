@@ -3,6 +3,7 @@
 use crate::trace::{Kind, Trace};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
+use std::cell::RefCell;
 use std::time::{Duration, Instant};
 
 /// One named phase.
@@ -19,8 +20,36 @@ pub struct Phase {
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub struct Phases {
     pub list: Vec<Phase>,
-    #[serde(skip)]
-    trace: Trace,
+}
+
+thread_local! {
+    /// The phases that this thread collects now, and where their spans go.
+    static COLLECTED: RefCell<Option<(Phases, Trace)>> = const { RefCell::new(None) };
+}
+
+/// Runs `work` and records how long it takes, if it runs inside of [`collect`] on the same thread.
+pub fn measure<T>(name: &'static str, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    let time = start.elapsed();
+    COLLECTED.with_borrow_mut(|collected| {
+        if let Some((phases, trace)) = collected {
+            trace.record(Kind::Phase, name, start, time);
+            phases.add(name, time, 1);
+        }
+    });
+    result
+}
+
+/// Runs `work` and collects the phases that are measured on this thread meanwhile; each leaves a span in
+/// `trace`.
+pub fn collect<T>(trace: &Trace, work: impl FnOnce() -> T) -> (T, Phases) {
+    let collecting = (Phases::default(), trace.clone());
+    let outer = COLLECTED.replace(Some(collecting));
+    let result = work();
+    let collected = COLLECTED.replace(outer);
+    let (phases, _) = collected.expect("each collection puts the one around it back");
+    (result, phases)
 }
 
 impl Phases {
@@ -38,29 +67,6 @@ impl Phases {
 
     /// Name of the time that belongs to no other phase.
     pub const OTHER: &'static str = "other";
-
-    /// No phase yet; each that is measured leaves a span in `trace`.
-    pub fn traced(trace: Trace) -> Phases {
-        Phases {
-            list: Vec::new(),
-            trace,
-        }
-    }
-
-    /// Runs `work` and records how long it takes.
-    pub fn measure<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
-        let start = Instant::now();
-        let result = work();
-        self.note(name, start);
-        result
-    }
-
-    /// Records what began at `start` and ends now.
-    pub fn note(&mut self, name: &'static str, start: Instant) {
-        let time = start.elapsed();
-        self.trace.record(Kind::Phase, name, start, time);
-        self.add(name, time, 1);
-    }
 
     /// Records `count` runs that took `time` together, at no particular moment.
     pub fn add(&mut self, name: impl Into<Cow<'static, str>>, time: Duration, count: usize) {
@@ -91,10 +97,6 @@ impl Phases {
     pub fn total(&self) -> Duration {
         let times = self.list.iter().map(|phase| phase.time);
         times.fold(Duration::ZERO, Duration::saturating_add)
-    }
-
-    pub fn trace(&self) -> &Trace {
-        &self.trace
     }
 }
 
@@ -140,6 +142,28 @@ fn number_in(file: &str, key: &str) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_collection_holds_the_phases_measured_inside_of_it_on_its_thread() {
+        let trace = Trace::default();
+        measure("before", || ());
+        let (inner, outer) = collect(&trace, || {
+            measure("assembly", || ());
+            let (_, inner) = collect(&trace, || measure("solution", || ()));
+            std::thread::scope(|scope| {
+                scope.spawn(|| measure("elsewhere", || ()));
+            });
+            measure("assembly", || ());
+            inner
+        });
+        let told = |phases: Phases| -> Vec<(String, usize)> {
+            let list = phases.list.into_iter();
+            list.map(|phase| (phase.name.into_owned(), phase.count))
+                .collect()
+        };
+        assert_eq!(told(inner), [("solution".to_owned(), 1)]);
+        assert_eq!(told(outer), [("assembly".to_owned(), 2)]);
+    }
 
     #[test]
     fn phases_add_up_to_the_whole() {

@@ -11,7 +11,7 @@ mod system;
 use crate::boundary::Boundary;
 use crate::model::Model;
 use crate::model::node_axes::direction;
-use crate::phases::Phases;
+use crate::phases::measure;
 use crate::support::{self, NotHeld};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -50,12 +50,8 @@ pub struct SystemSize {
 ///
 /// # Errors
 /// See [`StaticsError`].
-pub fn solve(
-    model: &Model,
-    boundary: &Boundary,
-    phases: &mut Phases,
-) -> Result<Solution, StaticsError> {
-    solve_by(model, boundary, None, phases)
+pub fn solve(model: &Model, boundary: &Boundary) -> Result<Solution, StaticsError> {
+    solve_by(model, boundary, None)
 }
 
 /// Assembles and solves once by a given backend; `None` for the one that suits the size of K.
@@ -66,15 +62,14 @@ pub fn solve_by(
     model: &Model,
     boundary: &Boundary,
     backend: Option<Backend>,
-    phases: &mut Phases,
 ) -> Result<Solution, StaticsError> {
-    let unsupported = phases.measure("support", || {
+    let unsupported = measure("support", || {
         support::check(model, boundary)?;
         Ok::<_, NotHeld>(support::loose_parts(model, boundary, &model.integrity))
     })?;
     let pinned: Vec<Vec<usize>> = unsupported.into_iter().map(|part| part.nodes).collect();
-    let solver = Solver::with_backend(model, boundary, backend, phases)?;
-    let solution = solver.solve(&model.integrity, &pinned, phases)?;
+    let solver = Solver::with_backend(model, boundary, backend)?;
+    let solution = solver.solve(&model.integrity, &pinned)?;
     Ok(Solution {
         displacement: model.in_space(&solution.displacement),
         reaction: model.in_space(&solution.reaction),

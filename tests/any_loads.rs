@@ -12,7 +12,6 @@ use peristitch::mesh::{CellKind, Mesh};
 use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings};
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
 use peristitch::peridynamics::surface::SurfaceCorrection;
-use peristitch::phases::Phases;
 use peristitch::statics::{self, Solution, group_reactions};
 
 const DX: f64 = 0.05;
@@ -100,7 +99,7 @@ fn resultant(model: &Model, load: &[f64], about: [f64; 2]) -> [f64; 3] {
 }
 
 fn solve(model: &Model, boundary: &Boundary) -> Solution {
-    statics::solve(model, boundary, &mut Phases::default()).expect("a solution")
+    statics::solve(model, boundary).expect("a solution")
 }
 
 #[track_caller]

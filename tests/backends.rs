@@ -20,7 +20,6 @@ use peristitch::mesh::CellKind;
 use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings};
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
 use peristitch::peridynamics::surface::SurfaceCorrection;
-use peristitch::phases::Phases;
 use peristitch::statics::{self, Solution, Solver, StaticsError};
 use workplace::Workplace;
 
@@ -77,7 +76,7 @@ fn grips(model: &Model) -> Boundary {
 }
 
 fn solve(model: &Model, boundary: &Boundary, backend: Backend) -> Solution {
-    let solution = statics::solve_by(model, boundary, Some(backend), &mut Phases::default());
+    let solution = statics::solve_by(model, boundary, Some(backend));
     solution.expect("a solution")
 }
 
@@ -152,15 +151,14 @@ fn a_singular_matrix_is_refused() {
         .filter(|&n| is_upper(n as u32))
         .collect();
     for backend in [Backend::Multifrontal, Backend::Faer] {
-        let mut phases = Phases::default();
-        let solver = Solver::with_backend(&model, &boundary, Some(backend), &mut phases);
+        let solver = Solver::with_backend(&model, &boundary, Some(backend));
         let solver = solver.expect("a structure");
-        let floating = solver.solve(&integrity, &[], &mut phases);
+        let floating = solver.solve(&integrity, &[]);
         let Err(StaticsError::Mechanism { y, .. }) = floating else {
             panic!("{backend:?} finds no mechanism");
         };
         assert!(y > 0.07, "{backend:?}");
-        let held = solver.solve(&integrity, std::slice::from_ref(&upper), &mut phases);
+        let held = solver.solve(&integrity, std::slice::from_ref(&upper));
         let u = held.expect("a solution").displacement;
         assert!(upper.iter().all(|&node| u[node] == [0.0; 2]));
     }
@@ -201,8 +199,7 @@ fn the_same_bonds_break() {
                 loads.push(state.load.factor);
                 Ok::<(), StaticsError>(())
             };
-            let mut phases = Phases::default();
-            control::run(&problem, &mut state, &mut phases, observe).expect("no error");
+            control::run(&problem, &mut state, observe).expect("no error");
             (state, loads)
         };
         let (own, own_loads) = run(Resolution::Fast);

@@ -17,7 +17,6 @@ use peristitch::material::PlaneState;
 use peristitch::mesh::{CellKind, Edge};
 use peristitch::model::{Method, Model, PeridynamicSettings};
 use peristitch::peridynamics::lattice::Placement;
-use peristitch::phases::Phases;
 use peristitch::statics::StaticsError;
 use std::sync::Arc;
 
@@ -103,7 +102,7 @@ fn run(model: &Model, control: Control, resolution: Resolution, steps: usize) ->
         assert!(rest.abs() <= 1e-10 * energy.external.abs(), "{energy:?}");
         Ok::<(), StaticsError>(())
     };
-    let ending = control::run(&problem, &mut state, &mut Phases::default(), observe);
+    let ending = control::run(&problem, &mut state, observe);
     ending.expect("no error");
     state
 }

@@ -31,7 +31,6 @@ use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings};
 use peristitch::peridynamics::bonds::family_offsets;
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
 use peristitch::peridynamics::surface::SurfaceCorrection;
-use peristitch::phases::Phases;
 use peristitch::statics::StaticsError;
 
 const DX: f64 = 2.5e-3;
@@ -135,7 +134,7 @@ impl Plate {
             Ok::<(), StaticsError>(())
         };
         let mut state = State::new(&self.model, &self.programme);
-        let ending = control::run(&problem, &mut state, &mut Phases::default(), observe);
+        let ending = control::run(&problem, &mut state, observe);
         (ending.expect("no error"), state, records)
     }
 

@@ -29,7 +29,6 @@ use peristitch::model::{
 };
 use peristitch::peridynamics::kernel::{Kernel, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
-use peristitch::phases::Phases;
 use peristitch::statics;
 use std::collections::HashMap;
 
@@ -418,7 +417,7 @@ fn reactions_balance() {
                 PlaneState::Stress,
             );
             let boundary = hold_outline(&model, cubic);
-            let solution = statics::solve(&model, &boundary, &mut Phases::default()).unwrap();
+            let solution = statics::solve(&model, &boundary).unwrap();
             let (mut sum, mut size) = ([0.0; 3], [0.0; 3]);
             for (node, x) in model.positions.iter().enumerate() {
                 let [fx, fy] = [0, 1].map(|axis| solution.reaction[node][axis]);

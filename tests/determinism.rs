@@ -17,7 +17,6 @@ use peristitch::material::PlaneState;
 use peristitch::mesh::{Cell, CellKind, Edge, Mesh};
 use peristitch::model::{Method, Model};
 use peristitch::peridynamics::lattice::Placement;
-use peristitch::phases::Phases;
 use peristitch::statics::{self, Solution};
 
 /// Cantilever 2 × 1 m: Q8 of 50 mm left of the middle, points 12.5 mm apart right of it.
@@ -72,7 +71,7 @@ fn solve(model: &Model) -> Solution {
     boundary
         .add_traction(model, "load", EdgeLoad::Traction([3e5, -1e6]))
         .expect("a load");
-    statics::solve(model, &boundary, &mut Phases::default()).expect("a solution")
+    statics::solve(model, &boundary).expect("a solution")
 }
 
 /// What must not depend on the threads.

@@ -20,11 +20,12 @@ use peristitch::material::PlaneState;
 use peristitch::mesh::{CellKind, Edge};
 use peristitch::model::{Method, Model, PeridynamicSettings};
 use peristitch::peridynamics::lattice::Placement;
-use peristitch::phases::Phases;
+use peristitch::phases::collect;
 use peristitch::pipeline::read::plan::Plan;
 use peristitch::pipeline::stages::run::{Options, discretised};
 use peristitch::pipeline::stages::validate::{laws, programme};
 use peristitch::statics::StaticsError;
+use peristitch::trace::Trace;
 use std::path::Path;
 
 const DX: f64 = 2.5e-3;
@@ -116,7 +117,6 @@ fn run(
     };
     let mut state = State::new(model, programme);
     let mut list = Vec::new();
-    let mut phases = Phases::default();
     let mut peak = 0.0f64;
     let observe = |state: &State, record: Record, response: &Response| {
         let energy = state.energy;
@@ -135,7 +135,8 @@ fn run(
         ));
         Ok::<(), StaticsError>(())
     };
-    let ending = control::run(&problem, &mut state, &mut phases, observe).expect("no error");
+    let run = || control::run(&problem, &mut state, observe).expect("no error");
+    let (ending, phases) = collect(&Trace::default(), run);
     let factorisations = phases.list.iter().find(|p| p.name == "factorisation");
     Course {
         state,
@@ -247,7 +248,6 @@ fn the_plate_of_section_4_2_event_driven() {
         resolution,
     };
     let mut state = State::new(&model, &programme);
-    let mut phases = Phases::default();
     let (mut samples, mut loads, mut largest) = (vec![state.clone()], vec![0.0], 0.0f64);
     let observe = |state: &State, record: Record, _: &Response| {
         loads.push(state.load.factor);
@@ -258,7 +258,8 @@ fn the_plate_of_section_4_2_event_driven() {
         Ok::<(), StaticsError>(())
     };
     let fast = problem(usize::MAX, Resolution::Fast);
-    let ending = control::run(&fast, &mut state, &mut phases, observe).expect("no error");
+    let run = || control::run(&fast, &mut state, observe).expect("no error");
+    let (ending, phases) = collect(&Trace::default(), run);
     assert_eq!(
         (ending, state.step, state.broken().len()),
         (Ending::Separated, 816, 3222)
@@ -278,7 +279,7 @@ fn the_plate_of_section_4_2_event_driven() {
         let next = sample.step + 1;
         let reference = problem(next, Resolution::Reference);
         let nothing = |_: &State, _: Record, _: &Response| Ok::<(), StaticsError>(());
-        control::run(&reference, &mut sample, &mut Phases::default(), nothing).expect("no error");
+        control::run(&reference, &mut sample, nothing).expect("no error");
         assert!(sample.step == next || sample.step == state.step);
         let (factor, expected) = (loads[sample.step], sample.load.factor);
         assert!(

@@ -17,7 +17,6 @@ use peristitch::material::PlaneState;
 use peristitch::mesh::{CellKind, Edge, Mesh};
 use peristitch::model::{Method, Model, PeridynamicSettings};
 use peristitch::peridynamics::lattice::Placement;
-use peristitch::phases::Phases;
 use peristitch::pipeline::read::plan::Plan;
 use peristitch::pipeline::stages::validate;
 use peristitch::statics::{Solver, StaticsError};
@@ -137,7 +136,7 @@ impl Plate {
             list.push(Step { state, record });
             Ok::<(), StaticsError>(())
         };
-        let ending = control::run(&problem, state, &mut Phases::default(), observe);
+        let ending = control::run(&problem, state, observe);
         (ending.expect("no error"), list)
     }
 
@@ -581,9 +580,8 @@ fn a_chunk_on_a_hinge_does_not_stop_the_run() {
     let loose = support::loose_parts(model, plate.programme.supports(), &state.integrity);
     assert!(loose.is_empty(), "the chunk is connected");
     // For a plain solve this is an error,
-    let mut phases = Phases::default();
-    let solver = Solver::new(model, plate.programme.supports(), &mut phases).expect("a solver");
-    let plain = solver.solve(&state.integrity, &[], &mut phases);
+    let solver = Solver::new(model, plate.programme.supports()).expect("a solver");
+    let plain = solver.solve(&state.integrity, &[]);
     assert!(
         matches!(plain, Err(StaticsError::Mechanism { .. })),
         "{plain:?}"

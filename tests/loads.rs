@@ -13,7 +13,6 @@ use peristitch::material::PlaneState;
 use peristitch::mesh::{Cell, CellKind, Mesh};
 use peristitch::model::{Method, Model};
 use peristitch::peridynamics::lattice::Placement;
-use peristitch::phases::Phases;
 use peristitch::statics;
 use std::f64::consts::PI;
 
@@ -49,7 +48,7 @@ fn assert_close(values: [f64; 3], expected: [f64; 3], scale: f64, what: &str) {
 }
 
 fn assert_balance(model: &Model, boundary: &Boundary, what: &str) {
-    let solution = statics::solve(model, boundary, &mut Phases::default()).expect("a solution");
+    let solution = statics::solve(model, boundary).expect("a solution");
     let reactions = resultant(model, solution.reaction.iter().map(|r| r.as_slice()));
     let loads = applied(model, boundary);
     assert!(

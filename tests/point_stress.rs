@@ -15,7 +15,6 @@ use peristitch::mesh::CellKind;
 use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings};
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
 use peristitch::peridynamics::surface::SurfaceCorrection;
-use peristitch::phases::Phases;
 use peristitch::statics;
 use std::collections::BTreeMap;
 
@@ -118,7 +117,7 @@ fn what_is_pulled_uniformly_has_one_stress() {
             boundary
                 .add_traction(&model, "right", pull)
                 .expect("a side");
-            let solution = statics::solve(&model, &boundary, &mut Phases::default());
+            let solution = statics::solve(&model, &boundary);
             let u = solution.expect("a solution").displacement;
             let elements = NodalFields::new(&model, &u).stress;
             let points = PointFields::new(&model, &u, &model.integrity).stress;
@@ -192,7 +191,7 @@ fn a_series_of_two_materials_has_one_stress() {
             let pulled = ["right", "top"][axis];
             let pull = EdgeLoad::Traction(traction);
             boundary.add_traction(&model, pulled, pull).expect("a side");
-            let solution = statics::solve(&model, &boundary, &mut Phases::default());
+            let solution = statics::solve(&model, &boundary);
             let u = solution.expect("a solution").displacement;
             let stress = PointFields::new(&model, &u, &model.integrity).stress;
             let mut rows = 0;
@@ -223,7 +222,7 @@ fn two_materials_side_by_side_have_one_strain() {
     let corner = nearest(&model.positions, [0.0, 0.0]);
     let held = (0.0, "corner".to_owned());
     boundary.prescribed.insert(2 * corner, held);
-    let solution = statics::solve(&model, &boundary, &mut Phases::default());
+    let solution = statics::solve(&model, &boundary);
     let u = solution.expect("a solution").displacement;
     let stress = PointFields::new(&model, &u, &model.integrity).stress;
     let columns = 48;
@@ -252,7 +251,7 @@ fn the_traction_does_not_jump_at_an_inclusion() {
     boundary
         .add_traction(&model, "right", pull)
         .expect("a side");
-    let solution = statics::solve(&model, &boundary, &mut Phases::default());
+    let solution = statics::solve(&model, &boundary);
     let u = solution.expect("a solution").displacement;
     let stress = PointFields::new(&model, &u, &model.integrity).stress;
     // Along the middle, from the matrix through the inclusion's left side.

@@ -19,7 +19,6 @@ use peristitch::material::PlaneState;
 use peristitch::mesh::{CellKind, Edge};
 use peristitch::model::{Method, Model, PeridynamicSettings};
 use peristitch::peridynamics::lattice::Placement;
-use peristitch::phases::Phases;
 use peristitch::statics::StaticsError;
 use std::sync::Arc;
 
@@ -142,7 +141,7 @@ fn run(
         });
         Ok::<(), StaticsError>(())
     };
-    let ending = control::run(&problem, &mut state, &mut Phases::default(), observe);
+    let ending = control::run(&problem, &mut state, observe);
     (ending.expect("no error"), list)
 }
 
@@ -358,10 +357,10 @@ fn a_loaded_part_on_a_hinge_ends_the_run() {
         }
     }
     let observe = |_: &State, _: Record, _: &Response| Ok::<(), StaticsError>(());
-    let ending = control::run(&problem, &mut state, &mut Phases::default(), observe);
+    let ending = control::run(&problem, &mut state, observe);
     assert_eq!(ending.expect("no error"), Ending::Collapsed);
     assert!(!state.load_lost);
     // Resumed, it ends the same way.
-    let ending = control::run(&problem, &mut state, &mut Phases::default(), observe);
+    let ending = control::run(&problem, &mut state, observe);
     assert_eq!(ending.expect("no error"), Ending::Collapsed);
 }

@@ -80,7 +80,7 @@ fn solved() -> (Model, Solution) {
         ..Default::default()
     };
     let (model, boundary, _) = run::discretised(&plan, &options).expect("a sound model");
-    let solution = statics::solve(&model, &boundary, &mut Phases::default());
+    let solution = statics::solve(&model, &boundary);
     (model, solution.expect("a solution"))
 }
 

@@ -10,7 +10,6 @@ use peristitch::mesh::{CellKind, Mesh};
 use peristitch::model::{Method, Model};
 use peristitch::peridynamics::kernel::Kernel;
 use peristitch::peridynamics::lattice::Placement;
-use peristitch::phases::Phases;
 use peristitch::statics::{self, StaticsError};
 use peristitch::support::{self, NotHeld, RigidMotion};
 
@@ -51,7 +50,7 @@ fn held(model: &Model, group: &str, components: [Option<f64>; 2]) -> Boundary {
 /// The same answer of the check and of the solve.
 fn not_held(model: &Model, boundary: &Boundary) -> NotHeld {
     let checked = support::check(model, boundary).expect_err("not held");
-    let solved = statics::solve(model, boundary, &mut Phases::default());
+    let solved = statics::solve(model, boundary);
     let Err(StaticsError::NotHeld(solved)) = solved else {
         panic!("the solve says {solved:?}");
     };
@@ -136,7 +135,7 @@ fn a_pin_and_a_roller_that_pulls_through_it_leave_the_turn() {
         .displace(&model, "roller", [None, Some(0.0)])
         .expect("a point");
     support::check(&model, &boundary).expect("held");
-    statics::solve(&model, &boundary, &mut Phases::default()).expect("a solution");
+    statics::solve(&model, &boundary).expect("a solution");
 }
 
 /// A square of points clamped on the left, with the given m and kernel.
@@ -151,7 +150,7 @@ fn lattice(horizon_ratio: f64, kernel: Kernel) -> Model {
 
 fn assert_refused(model: &Model, boundary: &Boundary, what: &str) -> StaticsError {
     support::check(model, boundary).expect("connectivity sees nothing wrong");
-    let solved = statics::solve(model, boundary, &mut Phases::default());
+    let solved = statics::solve(model, boundary);
     let error = match solved {
         Ok(solution) => {
             let largest = solution

@@ -24,7 +24,6 @@ use peristitch::mesh::{CellKind, Edge, Mesh};
 use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings};
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
 use peristitch::peridynamics::surface::SurfaceCorrection;
-use peristitch::phases::Phases;
 use peristitch::statics::{self, Solution, Solver, StaticsError};
 use workplace::Workplace;
 
@@ -107,7 +106,7 @@ fn solve(model: &Model, backend: Backend) -> Solution {
 }
 
 fn solve_with(model: &Model, boundary: &Boundary, backend: Backend) -> Solution {
-    let solution = statics::solve_by(model, boundary, Some(backend), &mut Phases::default());
+    let solution = statics::solve_by(model, boundary, Some(backend));
     solution.expect("a solution")
 }
 
@@ -178,16 +177,14 @@ fn the_same_bits_on_any_number_of_threads() {
 fn a_solution_is_its_own_guess() {
     let model = plate(0.06, Coupling::Clip);
     let boundary = grips(&model);
-    let mut phases = Phases::default();
     let backend = Some(Backend::TwoLevel);
-    let solver =
-        Solver::with_backend(&model, &boundary, backend, &mut phases).expect("a structure");
+    let solver = Solver::with_backend(&model, &boundary, backend).expect("a structure");
     let mut mechanisms = Default::default();
     let factorised = solver
-        .factorise_broken(&model.integrity, &[], &mut mechanisms, &mut phases)
+        .factorise_broken(&model.integrity, &[], &mut mechanisms)
         .expect("no mechanism");
-    let mut solve = |guess: Option<&[[f64; 2]]>| {
-        let solution = solver.solve_with(&factorised, &boundary, guess, &mechanisms, &mut phases);
+    let solve = |guess: Option<&[[f64; 2]]>| {
+        let solution = solver.solve_with(&factorised, &boundary, guess, &mechanisms);
         solution.expect("a solution")
     };
     let first = solve(None);
@@ -228,17 +225,16 @@ fn a_part_that_floats_is_found() {
         .filter(|&n| is_upper(n as u32))
         .collect();
     for backend in [Backend::Multifrontal, Backend::TwoLevel] {
-        let mut phases = Phases::default();
-        let solver = Solver::with_backend(&model, &boundary, Some(backend), &mut phases);
+        let solver = Solver::with_backend(&model, &boundary, Some(backend));
         let solver = solver.expect("a structure");
         if backend == Backend::TwoLevel {
-            let floating = solver.solve(&integrity, &[], &mut phases);
+            let floating = solver.solve(&integrity, &[]);
             let Err(StaticsError::Mechanism { y, .. }) = floating else {
                 panic!("no mechanism was found");
             };
             assert!(y > 0.07);
         }
-        let held = solver.solve(&integrity, std::slice::from_ref(&upper), &mut phases);
+        let held = solver.solve(&integrity, std::slice::from_ref(&upper));
         let held = held.expect("a solution");
         assert!(
             upper
@@ -293,12 +289,11 @@ fn assert_same_sequence(model: &Model, boundary: Boundary) {
                 resolution,
             };
             let mut state = State::new(model, &programme);
-            let mut phases = Phases::default();
             let observe = |_: &State, record: control::Record, _: &_| {
                 assert!(record.residual < 1e-10);
                 Ok::<(), StaticsError>(())
             };
-            control::run(&problem, &mut state, &mut phases, observe).expect("no error");
+            control::run(&problem, &mut state, observe).expect("no error");
             assert!(state.stopped.is_none());
             (state.broken(), state.load.factor, state.energy)
         };

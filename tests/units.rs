@@ -15,7 +15,6 @@ use peristitch::material::{Material, PlaneState};
 use peristitch::mesh::CellKind;
 use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings};
 use peristitch::peridynamics::lattice::Placement;
-use peristitch::phases::Phases;
 use peristitch::statics;
 use workplace::{PIPELINE, PLATE, Workplace};
 
@@ -66,7 +65,7 @@ fn scaled(length: f64, young: f64, thickness: f64, coupling: Coupling) -> [Vec<f
             EdgeLoad::Traction([3e-7 * young, -1e-6 * young]),
         )
         .expect("a load");
-    let solution = statics::solve(&model, &boundary, &mut Phases::default()).expect("a solution");
+    let solution = statics::solve(&model, &boundary).expect("a solution");
     let force = young * length * thickness;
     let flat = |values: &[[f64; 2]], unit: f64| values.iter().flatten().map(|v| v / unit).collect();
     [
@@ -151,7 +150,7 @@ fn points_may_be_ten_thousand_times_smaller_than_elements() {
         boundary
             .add_traction(&model, "load", EdgeLoad::Traction([STRESS, 0.0]))
             .expect("a load");
-        let solution = statics::solve(&model, &boundary, &mut Phases::default());
+        let solution = statics::solve(&model, &boundary);
         let solution = solution.expect("a right solve is accepted");
         let on_interface = |n: &usize| (model.positions[*n][0] - 1.0).abs() < 1e-9;
         let nodes: Vec<usize> = (0..model.fe_node_count()).filter(on_interface).collect();
@@ -181,7 +180,7 @@ fn points_may_be_ten_thousand_times_smaller_than_elements() {
         assert_between(error, low, high, &format!("{coupling:?}"));
         // Rounding has no part in it: another factorisation, in another order, leaves the same.
         let backend = Some(Backend::Faer);
-        let other = statics::solve_by(&model, &boundary, backend, &mut Phases::default());
+        let other = statics::solve_by(&model, &boundary, backend);
         let other = other.expect("a solution").displacement;
         let differ = (other.iter().flatten())
             .zip(solution.displacement.iter().flatten())

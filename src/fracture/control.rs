@@ -4,7 +4,7 @@ use super::event::{Event, Load};
 use super::programme::LoadPhase;
 use super::response::Response;
 use super::state::State;
-use crate::phases::Phases;
+use crate::phases::measure;
 use crate::statics::{Solver, StaticsError};
 
 pub use super::ending::Ending;
@@ -28,7 +28,6 @@ pub struct Record {
 pub fn run<E: From<StaticsError>>(
     problem: &Problem,
     state: &mut State,
-    phases: &mut Phases,
     mut observe: impl FnMut(&State, Record, &Response) -> Result<(), E>,
 ) -> Result<Ending, E> {
     // Decided from the state alone, so that a run resumed after its last step ends there too.
@@ -37,8 +36,8 @@ pub fn run<E: From<StaticsError>>(
         return Ok(ending);
     }
     let (supports, backend) = (problem.programme.supports(), problem.resolution.backend());
-    let solver = Solver::with_backend(problem.model, supports, backend, phases)?;
-    let mut response = match Response::new(&solver, problem, state, phases) {
+    let solver = Solver::with_backend(problem.model, supports, backend)?;
+    let mut response = match Response::new(&solver, problem, state) {
         Ok(response) => response,
         // Before the first step it is the problem that has no solution.
         Err(error) if state.step == 0 && !matches!(error, StaticsError::Swings { .. }) => {
@@ -51,7 +50,7 @@ pub fn run<E: From<StaticsError>>(
         let mut record = Record::default();
         let last_changed = loop {
             state.advance(problem, &response, load);
-            let [changed, broken] = change_bonds(problem, state, &mut response, load, phases);
+            let [changed, broken] = change_bonds(problem, state, &mut response, load);
             state.settle_if_due(problem, &response);
             record.changed += changed;
             record.broken += broken;
@@ -60,7 +59,7 @@ pub fn run<E: From<StaticsError>>(
             if state.load_lost || changed == 0 || !passes_again(problem.control, record.passes) {
                 break changed;
             }
-            if let Err(error) = response.renew(&solver, problem, state, phases) {
+            if let Err(error) = response.renew(&solver, problem, state) {
                 state.stop(&error);
                 break changed;
             }
@@ -72,7 +71,7 @@ pub fn run<E: From<StaticsError>>(
             return Ok(ending);
         }
         let is_stale = last_changed > 0 || is_new_phase;
-        if is_stale && let Err(error) = response.renew(&solver, problem, state, phases) {
+        if is_stale && let Err(error) = response.renew(&solver, problem, state) {
             return Ok(state.stop(&error));
         }
     }
@@ -128,13 +127,12 @@ fn change_bonds(
     state: &mut State,
     response: &mut Response,
     load: Load,
-    phases: &mut Phases,
 ) -> [usize; 2] {
-    let bonds = phases.measure("stretches", || match problem.control {
+    let bonds = measure("stretches", || match problem.control {
         Control::EventDriven => response.bonds_at_limit(problem, state, load),
         _ => response.bonds_over_limit(problem, state, load),
     });
-    phases.measure("loose parts", || {
+    measure("loose parts", || {
         let changes = state.change(problem, Some(response), &bonds);
         let broken = changes.iter().filter(|change| change.is_break());
         [changes.len(), broken.count()]

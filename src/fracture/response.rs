@@ -24,10 +24,9 @@ use super::solutions::{Solutions, nan_max};
 use super::state::State;
 use super::update::Update;
 use crate::boundary::Boundary;
-use crate::phases::Phases;
+use crate::phases::measure;
 use crate::statics::{Factorised, Solution, Solver, StaticsError};
 use rayon::prelude::*;
-use std::time::Instant;
 
 /// The response, and how the next one is found.
 pub struct Response {
@@ -70,15 +69,10 @@ impl Response {
         solver: &Solver,
         problem: &Problem,
         state: &mut State,
-        phases: &mut Phases,
     ) -> Result<Response, StaticsError> {
-        let factorised = solver.factorise_broken(
-            &state.integrity,
-            &state.fragments,
-            &mut state.mechanisms,
-            phases,
-        )?;
-        Response::of(factorised, solver, problem, state, phases)
+        let factorised =
+            solver.factorise_broken(&state.integrity, &state.fragments, &mut state.mechanisms)?;
+        Response::of(factorised, solver, problem, state)
     }
 
     fn of(
@@ -86,9 +80,8 @@ impl Response {
         solver: &Solver,
         problem: &Problem,
         state: &State,
-        phases: &mut Phases,
     ) -> Result<Response, StaticsError> {
-        let solved = solve(solver, problem, state, &factorised, phases)?;
+        let solved = solve(solver, problem, state, &factorised)?;
         let mut response = Response {
             values: solved.values(problem),
             solved,
@@ -101,15 +94,16 @@ impl Response {
         if problem.control == Control::EventDriven
             && let Event::Break(load) = response.next_event(problem, state)
         {
-            let start = Instant::now();
             let (solved, values) = (&response.solved, &response.values);
-            response.next = match look_ahead(problem, state, factorised, solved, values, load) {
-                Ok(ahead) => NextResponse::LookAhead(ahead, 0),
-                Err(factorised) => {
-                    NextResponse::update(problem, *factorised, solved, state.changes.len(), state)
+            response.next = measure("active zone", || {
+                match look_ahead(problem, state, factorised, solved, values, load) {
+                    Ok(ahead) => NextResponse::LookAhead(ahead, 0),
+                    Err(factorised) => {
+                        let first = state.changes.len();
+                        NextResponse::update(problem, *factorised, solved, first, state)
+                    }
                 }
-            };
-            phases.note("active zone", start);
+            });
         } else {
             let (first, solved) = (state.changes.len(), &response.solved);
             response.next = NextResponse::update(problem, factorised, solved, first, state);
@@ -126,7 +120,6 @@ impl Response {
         solver: &Solver,
         problem: &Problem,
         state: &mut State,
-        phases: &mut Phases,
     ) -> Result<(), StaticsError> {
         self.next = match std::mem::replace(&mut self.next, NextResponse::Anew) {
             NextResponse::LookAhead(ahead, next) if next + 1 < ahead.count() => {
@@ -140,7 +133,7 @@ impl Response {
             next => next,
         };
         if let NextResponse::Update(update, near) = &mut self.next
-            && let Some(solved) = update.renew(problem, state, near, phases)
+            && let Some(solved) = update.renew(problem, state, near)
         {
             self.carries = None;
             self.values = solved.values(problem);
@@ -149,12 +142,12 @@ impl Response {
         }
         // Two factors at a time are more than may fit: the old one goes before the new one comes.
         let factorised = match std::mem::replace(&mut self.next, NextResponse::Anew) {
-            NextResponse::Update(update, _) => update.refactorise(solver, state, phases)?,
+            NextResponse::Update(update, _) => update.refactorise(solver, state)?,
             _ => None,
         };
         *self = match factorised {
-            Some(factorised) => Response::of(factorised, solver, problem, state, phases)?,
-            None => Response::new(solver, problem, state, phases)?,
+            Some(factorised) => Response::of(factorised, solver, problem, state)?,
+            None => Response::new(solver, problem, state)?,
         };
         Ok(())
     }
@@ -307,11 +300,10 @@ fn solve(
     problem: &Problem,
     state: &State,
     factorised: &Factorised,
-    phases: &mut Phases,
 ) -> Result<Solutions, StaticsError> {
     let programme = problem.programme;
-    let mut solve = |case: &Boundary, guess: Option<&[[f64; 2]]>| {
-        solver.solve_with(factorised, case, guess, &state.mechanisms, phases)
+    let solve = |case: &Boundary, guess: Option<&[[f64; 2]]>| {
+        solver.solve_with(factorised, case, guess, &state.mechanisms)
     };
     let held = match programme.held(state.phase) {
         Some(held) => Some(solve(&held, None)?),

@@ -15,7 +15,7 @@ use super::rates::DOFS_AT_A_TIME;
 use super::solutions::Solutions;
 use super::state::{Change, State};
 use crate::boundary::Boundary;
-use crate::phases::Phases;
+use crate::phases::measure;
 use crate::statics::{Factorised, Solution, Solver, StaticsError};
 
 /// A factorisation, the response then, and the changes since.
@@ -76,7 +76,6 @@ impl Update {
         problem: &Problem,
         state: &mut State,
         near: &[usize],
-        phases: &mut Phases,
     ) -> Option<Solutions> {
         if self.costs.is_due() || state.phase != self.phase {
             return None;
@@ -91,13 +90,13 @@ impl Update {
             return None;
         }
         self.expect(problem, near);
-        phases.measure("compliance", || self.change.extend(&self.factorised))?;
+        measure("compliance", || self.change.extend(&self.factorised))?;
         let losses: Vec<Loss> = changes.iter().map(|c| Loss::of(problem, c)).collect();
-        phases.measure("update", || self.change.lose(model, &losses));
+        measure("update", || self.change.lose(model, &losses));
         self.known = state.changes.len();
         let mut mechanisms = Vec::new();
         let system = loop {
-            match phases.measure("update", || self.change.factorise(&pins)) {
+            match measure("update", || self.change.factorise(&pins)) {
                 Ok(system) => break system,
                 Err(_) if mechanisms.len() == MOST_HINGES => return None,
                 Err(motion) => {
@@ -109,8 +108,7 @@ impl Update {
                 }
             }
         };
-        let solutions =
-            phases.measure("solution", || self.solve(problem, state, &system, &pins))?;
+        let solutions = measure("solution", || self.solve(problem, state, &system, &pins))?;
         state.mechanisms.extend(mechanisms);
         Some(solutions)
     }
@@ -156,7 +154,6 @@ impl Update {
         self,
         solver: &Solver,
         state: &mut State,
-        phases: &mut Phases,
     ) -> Result<Option<Factorised>, StaticsError> {
         let Update {
             mut factorised,
@@ -174,7 +171,6 @@ impl Update {
             &state.integrity,
             &state.fragments,
             &mut state.mechanisms,
-            phases,
         )?;
         Ok(done.then_some(factorised))
     }

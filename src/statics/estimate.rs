@@ -9,7 +9,7 @@ use crate::linear_solver::rates::{
     ITERATION_RATE, ITERATIONS, ITERATIVE_VECTORS, KEPT_SHARE, WAITING_SHARE,
 };
 use crate::model::Model;
-use crate::phases::{Phases, held_memory, peak_memory};
+use crate::phases::{held_memory, peak_memory};
 use std::time::Duration;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,7 @@ impl Estimate {
         backend: Option<Backend>,
         breaks: bool,
     ) -> Result<Estimate, StaticsError> {
-        let structure = Structure::new(model, backend, &mut Phases::default())?;
+        let structure = Structure::new(model, backend)?;
         let interactions = if breaks { model.interactions.len() } else { 0 };
         Ok(Estimate::of(&structure, boundary, interactions))
     }

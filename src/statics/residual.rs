@@ -62,7 +62,6 @@ mod tests {
     use crate::material::Material;
     use crate::mesh::CellKind;
     use crate::mesh::grid::{Grid, name_cells};
-    use crate::phases::Phases;
     use crate::statics::Solver;
     use crate::verification::bodies::{build, region};
     use std::collections::BTreeSet;
@@ -99,11 +98,10 @@ mod tests {
                 boundary.load[2 * node + 1] = -1e3;
             }
         }
-        let phases = &mut Phases::default();
-        let solver = Solver::new(&model, &boundary, phases).expect("a structure");
+        let solver = Solver::new(&model, &boundary).expect("a structure");
         let none = BTreeSet::new();
-        let system = solver.system(&model.integrity, &[], &none, phases);
-        let factor = solver.factorise(&system, phases).expect("held");
+        let system = solver.system(&model.integrity, &[], &none);
+        let factor = solver.factorise(&system).expect("held");
         let case = system.case(&boundary);
         let found = system.solve(&case, &*factor, None);
         assert_eq!(found.residual.violation(GOAL), None);

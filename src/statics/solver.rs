@@ -8,7 +8,7 @@ use crate::boundary::Boundary;
 use crate::linear_solver::held::HeldDofs;
 use crate::linear_solver::{Factorisation, SolverError};
 use crate::model::Model;
-use crate::phases::{Phases, machine_memory};
+use crate::phases::{machine_memory, measure};
 use std::collections::BTreeSet;
 
 /// The part of a solve that stays the same while bonds break: elements, the pattern of K, the structure of L.
@@ -25,12 +25,8 @@ impl<'a> Solver<'a> {
     ///
     /// # Errors
     /// [`SolverError::Ordering`], [`SolverError::OutOfMemory`].
-    pub fn new(
-        model: &'a Model,
-        boundary: &'a Boundary,
-        phases: &mut Phases,
-    ) -> Result<Solver<'a>, StaticsError> {
-        Solver::with_backend(model, boundary, None, phases)
+    pub fn new(model: &'a Model, boundary: &'a Boundary) -> Result<Solver<'a>, StaticsError> {
+        Solver::with_backend(model, boundary, None)
     }
 
     /// A solver by this backend; `None` for the one that suits the size of K.
@@ -41,13 +37,12 @@ impl<'a> Solver<'a> {
         model: &'a Model,
         boundary: &'a Boundary,
         backend: Option<Backend>,
-        phases: &mut Phases,
     ) -> Result<Solver<'a>, StaticsError> {
         assert_eq!(
             model.node_axes, boundary.node_axes,
             "`Model::with_node_axes` has been given the supports' axes"
         );
-        let structure = Structure::new(model, backend, phases)?;
+        let structure = Structure::new(model, backend)?;
         Estimate::of(&structure, boundary, 0).fits(machine_memory())?;
         Ok(Solver {
             diagonal: structure.mean_diagonal(&model.interactions, boundary.load.len()),
@@ -75,12 +70,11 @@ impl<'a> Solver<'a> {
         &self,
         integrity: &[f64],
         pinned: &[Vec<usize>],
-        phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
-        let system = self.system(integrity, pinned, &BTreeSet::new(), phases);
-        let factor = self.factorise(&system, phases);
+        let system = self.system(integrity, pinned, &BTreeSet::new());
+        let factor = self.factorise(&system);
         let factor = factor.map_err(|error| self.locate(error))?;
-        self.finish(&system, &system.case(self.boundary), &*factor, None, phases)
+        self.finish(&system, &system.case(self.boundary), &*factor, None)
     }
 
     /// Factorises K of a body in which bonds break, for [`Solver::solve_with`]. A chunk may hang on a hinge: K is
@@ -95,11 +89,10 @@ impl<'a> Solver<'a> {
         integrity: &[f64],
         pinned: &[Vec<usize>],
         mechanisms: &mut BTreeSet<usize>,
-        phases: &mut Phases,
     ) -> Result<Factorised, StaticsError> {
         loop {
-            let system = self.system(integrity, pinned, mechanisms, phases);
-            match self.factorise(&system, phases) {
+            let system = self.system(integrity, pinned, mechanisms);
+            match self.factorise(&system) {
                 Ok(factor) => {
                     let size = self.structure.solver.size();
                     return Ok(Factorised {
@@ -129,7 +122,6 @@ impl<'a> Solver<'a> {
         integrity: &[f64],
         pinned: &[Vec<usize>],
         mechanisms: &mut BTreeSet<usize>,
-        phases: &mut Phases,
     ) -> Result<bool, StaticsError> {
         let Model {
             interactions,
@@ -144,7 +136,7 @@ impl<'a> Solver<'a> {
         let of_interaction = |&interaction: &u32| interactions.nodes(interaction as usize);
         let mut around: BTreeSet<u32> = changed.iter().flat_map(of_interaction).copied().collect();
         let nodes: Vec<u32> = around.iter().copied().collect();
-        phases.measure("assembly", || {
+        measure("assembly", || {
             let stiffness = &mut system.stiffness;
             (self.structure).reassemble(stiffness, &nodes, (positions, interactions), integrity);
         });
@@ -164,7 +156,7 @@ impl<'a> Solver<'a> {
                 diagonal: self.diagonal,
             };
             let nodes: Vec<u32> = around.iter().copied().collect();
-            let done = phases.measure("refactorisation", || {
+            let done = measure("refactorisation", || {
                 factor.refactorise(&system.stiffness, held, &nodes)
             });
             match done {
@@ -197,10 +189,9 @@ impl<'a> Solver<'a> {
         case: &Boundary,
         guess: Option<&[[f64; 2]]>,
         mechanisms: &BTreeSet<usize>,
-        phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
         let Factorised { system, factor, .. } = factorised;
-        let solution = self.finish(system, &system.case(case), &**factor, guess, phases);
+        let solution = self.finish(system, &system.case(case), &**factor, guess);
         solution.map_err(|error| self.swings(error, mechanisms))
     }
 
@@ -226,7 +217,6 @@ impl<'a> Solver<'a> {
         integrity: &[f64],
         pinned: &[Vec<usize>],
         mechanisms: &BTreeSet<usize>,
-        phases: &mut Phases,
     ) -> System {
         let Solver {
             model,
@@ -234,22 +224,18 @@ impl<'a> Solver<'a> {
             structure,
             ..
         } = self;
-        let stiffness = phases.measure("assembly", || structure.assemble(model, integrity));
+        let stiffness = measure("assembly", || structure.assemble(model, integrity));
         System::new(stiffness, boundary, pinned, mechanisms)
     }
 
     /// Factorises K with its supports.
-    pub(super) fn factorise(
-        &self,
-        system: &System,
-        phases: &mut Phases,
-    ) -> Result<Box<dyn Factorisation>, SolverError> {
+    pub(super) fn factorise(&self, system: &System) -> Result<Box<dyn Factorisation>, SolverError> {
         let held = HeldDofs {
             is_held: &system.is_held,
             diagonal: self.diagonal,
         };
         // Nothing is kept before the first change: many runs never come to it.
-        phases.measure("factorisation", || {
+        measure("factorisation", || {
             (self.structure.solver).factorise(&system.stiffness, held, &[])
         })
     }
@@ -260,13 +246,12 @@ impl<'a> Solver<'a> {
         case: &Case,
         factor: &dyn Factorisation,
         guess: Option<&[[f64; 2]]>,
-        phases: &mut Phases,
     ) -> Result<Solution, StaticsError> {
         let Solved {
             displacement,
             force,
             residual,
-        } = phases.measure("solution", || system.solve(case, factor, guess));
+        } = measure("solution", || system.solve(case, factor, guess));
         let solution = Solution {
             reaction: case.reaction(&force),
             displacement: vectors(&displacement),

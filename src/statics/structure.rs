@@ -9,7 +9,7 @@ use crate::linear_solver::ordering::{Ordering, elimination_order};
 use crate::linear_solver::two_level::Coarsening;
 use crate::linear_solver::{Backend, SolverError, SymmetricSolver, cholesky, faer};
 use crate::model::Model;
-use crate::phases::Phases;
+use crate::phases::measure;
 
 /// The elements' stiffness, the pattern of K, and the backend that has analysed it.
 pub(super) struct Structure {
@@ -23,27 +23,23 @@ impl Structure {
     ///
     /// # Errors
     /// [`SolverError::Ordering`], [`SolverError::OutOfMemory`].
-    pub(super) fn new(
-        model: &Model,
-        backend: Option<Backend>,
-        phases: &mut Phases,
-    ) -> Result<Structure, SolverError> {
+    pub(super) fn new(model: &Model, backend: Option<Backend>) -> Result<Structure, SolverError> {
         let nodes = model.node_count();
-        let elements = phases.measure("elements", || model.element_stiffness());
-        let pattern = phases.measure("pattern", || {
+        let elements = measure("elements", || model.element_stiffness());
+        let pattern = measure("pattern", || {
             Pattern::new(nodes, &model.interactions, &elements)
         });
         let solver: Box<dyn SymmetricSolver> =
             match backend.unwrap_or_else(|| Backend::choose::<UNKNOWNS>(&pattern.graph)) {
                 Backend::Multifrontal => {
-                    let order = phases.measure("ordering", || order(&pattern.graph))?;
-                    Box::new(phases.measure("symbolic", || {
+                    let order = measure("ordering", || order(&pattern.graph))?;
+                    Box::new(measure("symbolic", || {
                         cholesky::Symbolic::<UNKNOWNS>::with_order(pattern.symbolic(), &order)
                     }))
                 }
                 Backend::Faer => {
-                    let order = phases.measure("ordering", || order(&pattern.graph))?;
-                    Box::new(phases.measure("symbolic", || {
+                    let order = measure("ordering", || order(&pattern.graph))?;
+                    Box::new(measure("symbolic", || {
                         faer::Symbolic::with_order::<UNKNOWNS>(pattern.symbolic(), &order)
                     })?)
                 }

@@ -10,7 +10,6 @@ use crate::model::{Method, Model, ModelSettings, PeridynamicSettings, Region};
 use crate::peridynamics::kernel::{Kernel, PartialArea};
 use crate::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
 use crate::peridynamics::surface::SurfaceCorrection;
-use crate::phases::Phases;
 use crate::statics::{self, Solution};
 
 /// Bond-based in plane stress; `young` is E [Pa].
@@ -117,7 +116,7 @@ pub fn hold_outline(model: &Model, field: impl Fn([f64; 2]) -> [f64; 2]) -> Boun
 }
 
 pub fn solve(model: &Model, boundary: &Boundary) -> Result<Solution, VerificationError> {
-    Ok(statics::solve(model, boundary, &mut Phases::default())?)
+    Ok(statics::solve(model, boundary)?)
 }
 
 /// The node of a model nearest to a position [m].

@@ -36,7 +36,6 @@ use crate::fracture::state::State;
 use crate::mesh::grid::{Grid, name_cells, name_curve};
 use crate::mesh::{CellKind, Edge};
 use crate::model::{Method, Model};
-use crate::phases::Phases;
 
 /// Lengths in spacings; dx, E and G0 are 1.
 const LENGTH: usize = 192;
@@ -194,7 +193,7 @@ pub fn grow(resolution: Resolution) -> Result<Growth, VerificationError> {
         imbalance = imbalance.max((rest / energy.external).abs());
         Ok::<(), VerificationError>(())
     };
-    control::run(&problem, &mut state, &mut Phases::default(), observe)?;
+    control::run(&problem, &mut state, observe)?;
     let gone: Vec<usize> = model
         .interactions
         .bonds()

@@ -11,7 +11,6 @@ use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings, Regio
 use peristitch::peridynamics::kernel::{Kernel, PartialArea};
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
 use peristitch::peridynamics::surface::SurfaceCorrection;
-use peristitch::phases::Phases;
 use peristitch::statics;
 pub use peristitch::verification::bodies::{hold_outline, nearest, outer_nodes, relative_error};
 
@@ -83,7 +82,7 @@ pub fn paper_lattice(spacing: f64, placement: Placement) -> PeridynamicSettings 
 
 /// Displacements of all nodes under the given supports and loads [m].
 pub fn displacements(model: &Model, boundary: &Boundary) -> Vec<[f64; 2]> {
-    statics::solve(model, boundary, &mut Phases::default())
+    statics::solve(model, boundary)
         .expect("a solution")
         .displacement
 }

@@ -15,7 +15,6 @@ use crate::material::{Material, PlaneState};
 use crate::mesh::CellKind;
 use crate::mesh::grid::{Grid, name_cells, name_curve};
 use crate::model::{Method, ModelSettings, Region};
-use crate::phases::Phases;
 use crate::statics::Solver;
 use crate::verification::bodies::default_lattice;
 
@@ -59,12 +58,11 @@ fn factorised_anew(
     boundary: &Boundary,
     integrity: &[f64],
 ) -> (Factorised, Solution) {
-    let phases = &mut Phases::default();
-    let solver = Solver::new(model, boundary, phases).expect("a structure");
+    let solver = Solver::new(model, boundary).expect("a structure");
     let mechanisms = &mut BTreeSet::new();
-    let factorised = solver.factorise_broken(integrity, &[], mechanisms, phases);
+    let factorised = solver.factorise_broken(integrity, &[], mechanisms);
     let factorised = factorised.expect("the body is held");
-    let solution = solver.solve_with(&factorised, boundary, None, mechanisms, phases);
+    let solution = solver.solve_with(&factorised, boundary, None, mechanisms);
     (factorised, solution.expect("a solution"))
 }
 

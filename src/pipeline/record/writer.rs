@@ -9,7 +9,7 @@ use super::frames::{Frame, encode, frame_file};
 use super::history::HistoryLine;
 use super::stamp;
 use crate::output::{partial_name, write_whole};
-use crate::phases::Phases;
+use crate::phases::{Phases, collect, measure};
 use crate::pipeline::account::written_file::WrittenFile;
 use crate::pipeline::error::RunError;
 use crate::trace::Trace;
@@ -62,10 +62,8 @@ impl<'scope> RecordWriter<'scope> {
             record_hash,
             history: Appended::open(folder.join(HISTORY_FILE))?,
             journal: Appended::open(folder.join(JOURNAL_FILE))?,
-            written: WrittenRecord {
-                frames: Vec::new(),
-                phases: Phases::traced(trace),
-            },
+            frames: Vec::new(),
+            trace,
         };
         let (records, queue) = sync_channel(MOST_WAITING);
         let thread = Builder::new().name("writer".to_owned());
@@ -99,15 +97,21 @@ struct WriterThread {
     record_hash: RecordHash,
     history: Appended,
     journal: Appended,
-    written: WrittenRecord,
+    frames: Vec<WrittenFile>,
+    trace: Trace,
 }
 
 impl WriterThread {
     fn work(mut self, queue: &Receiver<StepRecord>) -> Result<WrittenRecord, RunError> {
-        for record in queue {
-            self.write(record)?;
-        }
-        Ok(self.written)
+        let trace = self.trace.clone();
+        let (done, phases) = collect(&trace, || {
+            queue.iter().try_for_each(|record| self.write(record))
+        });
+        done?;
+        Ok(WrittenRecord {
+            frames: self.frames,
+            phases,
+        })
     }
 
     /// A checkpoint comes last: it counts on the lines and the frames before it.
@@ -117,10 +121,11 @@ impl WriterThread {
             record_hash,
             history,
             journal,
-            written: WrittenRecord { frames, phases },
+            frames,
+            trace,
         } = self;
         if let Some((text, line)) = &record.line {
-            phases.measure("history", || {
+            measure("history", || {
                 history.add(format!("{text}\n").as_bytes())?;
                 let bytes = encode(line);
                 record_hash.add_line(&bytes);
@@ -128,21 +133,20 @@ impl WriterThread {
             })?;
         }
         if let Some(frame) = &record.frame {
-            let trace = phases.trace().clone();
             let write = || {
-                WrittenFile::measured(frame_file(frame.step), &trace, |name| {
+                WrittenFile::measured(frame_file(frame.step), trace, |name| {
                     let bytes = with_format(&encode(&**frame));
                     record_hash.add_frame(&stamp::hash(&bytes));
                     write_whole(&folder.join(name), &bytes)?;
                     Ok::<_, RunError>([frame.raw_bytes(), bytes.len() as u64])
                 })
             };
-            frames.push(phases.measure("frames", write)?);
+            frames.push(measure("frames", write)?);
         }
         if let Some(mut checkpoint) = record.checkpoint {
             checkpoint.record_hash = record_hash.close();
             let path = folder.join(CHECKPOINT_FILE);
-            phases.measure("checkpoints", || {
+            measure("checkpoints", || {
                 write_whole(&path, &with_format(&sealed(&encode(&*checkpoint))))
             })?;
         }

@@ -6,11 +6,12 @@ use super::parts::{Parts, has_damage};
 use crate::boundary::Boundary;
 use crate::gmsh::Extract;
 use crate::model::Model;
-use crate::phases::Phases;
+use crate::phases::measure;
 use crate::pipeline::account::written_file::WrittenFile;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::Plan;
 use crate::pipeline::record::solved::Solved;
+use crate::trace::Trace;
 use std::path::Path;
 
 /// All that the results are made of.
@@ -32,17 +33,17 @@ impl Outcome<'_> {
     pub(crate) fn write(
         &self,
         folder: &Path,
-        phases: &mut Phases,
+        trace: &Trace,
     ) -> Result<(Vec<WrittenFile>, Option<AnimationFrames>), RunError> {
         let files = OutputFiles {
             outcome: self,
             folder,
-            trace: phases.trace().clone(),
+            trace: trace.clone(),
         };
-        let mut made = phases.measure("vtu", || files.parts())?;
+        let mut made = measure("vtu", || files.parts())?;
         made.push(files.view()?);
         if !self.plan.output.pictures.is_none() {
-            made.extend(phases.measure("pictures", || files.pictures())?);
+            made.extend(measure("pictures", || files.pictures())?);
         }
         let output = &self.plan.output;
         let is_shown = output.is_animated() || output.is_reported();
@@ -50,10 +51,10 @@ impl Outcome<'_> {
             return Ok((made, None));
         };
         let draw = || AnimationFrames::new(self.plan, self.model, course);
-        let animation = phases.measure("animation", draw)?;
+        let animation = measure("animation", draw)?;
         if output.is_animated() {
             let film = || animation.film(folder, &files.trace);
-            made.push(phases.measure("animation", film)?);
+            made.push(measure("animation", film)?);
         }
         Ok((made, Some(animation)))
     }

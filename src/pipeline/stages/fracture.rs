@@ -11,7 +11,7 @@ use super::validate::{laws, programme};
 use crate::fracture::control::{self, Problem, Resolution};
 use crate::fracture::state::State;
 use crate::model::Model;
-use crate::phases::Phases;
+use crate::phases::measure;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::{Loading, Plan};
 use crate::pipeline::record::checkpoint::RecordHash;
@@ -23,9 +23,9 @@ use crate::pipeline::record::writer::{
     CHECKPOINT_FILE, RecordWriter, WrittenRecord, read_checkpoint,
 };
 use crate::pipeline::show::live_picture::LivePicture;
-use crate::trace::Kind;
+use crate::trace::{Kind, Trace};
 use journal::RunJournal;
-use recorder::Recorder;
+use recorder::{HAND_OVER, Recorder};
 use std::thread;
 use std::time::Instant;
 
@@ -37,6 +37,7 @@ pub(crate) struct Task<'a> {
     /// Recipe of the solve stage.
     pub recipe: &'a str,
     pub resolution: Resolution,
+    pub trace: &'a Trace,
 }
 
 /// Runs from the start, or from the checkpoint of an interrupted run of the same recipe.
@@ -46,7 +47,6 @@ pub(crate) struct Task<'a> {
 pub(crate) fn run(
     task: &Task,
     observer: &mut dyn Observer,
-    phases: &mut Phases,
 ) -> Result<(Solved, WrittenRecord), RunError> {
     let Task {
         plan,
@@ -75,11 +75,11 @@ pub(crate) fn run(
         Some((state, record_hash)) => (Some(state), record_hash),
         None => (None, RecordHash::default()),
     };
-    let trace = phases.trace().clone();
+    let trace = task.trace;
     thread::scope(|scope| {
         let writer = RecordWriter::start(scope, &plan.folder, record_hash, trace.clone())?;
         let picture = LivePicture::new(scope, plan, model);
-        let mut recorder = Recorder::new(journal, writer, picture, trace.clone());
+        let mut recorder = Recorder::new(journal, writer, picture);
         let mut state = match resumed {
             Some(state) => {
                 let step = state.step;
@@ -96,8 +96,8 @@ pub(crate) fn run(
         let first = state.step;
         let mut step_start = start;
         trace.set_step(Some(first + 1));
-        let ending = control::run(&problem, &mut state, phases, |state, record, response| {
-            recorder.step(state, record, response)?;
+        let ending = control::run(&problem, &mut state, |state, record, response| {
+            measure(HAND_OVER, || recorder.step(state, record, response))?;
             if course_warnings::is_due(state, record.changed) {
                 course_warnings::of(&problem, state)
                     .iter()
@@ -120,7 +120,7 @@ pub(crate) fn run(
                 .iter()
                 .for_each(|warning| observer.warns(warning));
         }
-        recorder.finish(&state, ending, phases)
+        recorder.finish(&state, ending)
     })
 }
 

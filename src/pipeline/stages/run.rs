@@ -13,7 +13,7 @@ use crate::fracture::control::Resolution;
 use crate::gmsh::{self, Extract};
 use crate::meshio;
 use crate::model::Model;
-use crate::phases::Phases;
+use crate::phases::{collect, measure};
 use crate::pipeline::account::costs::Costs;
 use crate::pipeline::account::summary::{Summary, read_summary};
 use crate::pipeline::error::RunError;
@@ -193,10 +193,12 @@ impl<'a> Run<'a> {
 
     fn discretise(&mut self, mesh: &Meshed) -> Result<(Model, Boundary), RunError> {
         self.warn_of_mesh(&mesh.extract);
-        let mut phases = self.phases();
-        let (model, boundary) = phases.measure("discretisation", || {
-            Ok::<_, RunError>(discretise(self.plan, to_mesh(self.plan, &mesh.extract)?)?)
-        })?;
+        let (discretised, phases) = collect(&self.options.trace, || {
+            measure("discretisation", || {
+                Ok::<_, RunError>(discretise(self.plan, to_mesh(self.plan, &mesh.extract)?)?)
+            })
+        });
+        let (model, boundary) = discretised?;
         self.costs.phases.append(phases.list);
         if self.plan.loads_nothing() {
             self.observer.warns(NOTHING_LOADS);
@@ -215,10 +217,6 @@ impl<'a> Run<'a> {
         if let Some(manifest) = stamp::read(&self.plan.folder, stage) {
             self.costs.append(manifest.costs);
         }
-    }
-
-    fn phases(&self) -> Phases {
-        Phases::traced(self.options.trace.clone())
     }
 
     /// Keeps other runs out of the results folder from the first write on.

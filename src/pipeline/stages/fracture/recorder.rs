@@ -4,7 +4,7 @@ use super::journal::RunJournal;
 use crate::fracture::control::{Ending, Record};
 use crate::fracture::response::Response;
 use crate::fracture::state::State;
-use crate::phases::Phases;
+use crate::phases::measure;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::spec::Output;
 use crate::pipeline::record::solved::{FractureRun, Solved};
@@ -13,8 +13,6 @@ use crate::pipeline::record::writer::{RecordWriter, StepRecord, WrittenRecord};
 use crate::pipeline::show::live_picture::LivePicture;
 use crate::pipeline::stages::course_warnings;
 use crate::statics::{Solution, Solver};
-use crate::trace::Trace;
-use std::time::Instant;
 
 /// Hands history, frames and checkpoints over to the thread that writes them.
 pub(super) struct Recorder<'a, 'scope> {
@@ -22,25 +20,21 @@ pub(super) struct Recorder<'a, 'scope> {
     /// Until it meets an error, or the end.
     writer: Option<RecordWriter<'scope>>,
     picture: LivePicture<'scope, 'a>,
-    /// Time that the solve spends on it.
-    handed_over: Phases,
 }
 
 /// The phase of copying a state and of waiting for room in the queue.
-const HAND_OVER: &str = "hand over";
+pub(super) const HAND_OVER: &str = "hand over";
 
 impl<'a, 'scope> Recorder<'a, 'scope> {
     pub fn new(
         journal: RunJournal<'a>,
         writer: RecordWriter<'scope>,
         picture: LivePicture<'scope, 'a>,
-        trace: Trace,
     ) -> Recorder<'a, 'scope> {
         Recorder {
             journal,
             writer: Some(writer),
             picture,
-            handed_over: Phases::traced(trace),
         }
     }
 
@@ -61,7 +55,6 @@ impl<'a, 'scope> Recorder<'a, 'scope> {
         record: Record,
         response: &Response,
     ) -> Result<(), RunError> {
-        let start = Instant::now();
         let RunJournal { plan, problem, .. } = self.journal;
         let first_break = record.changed > 0 && state.changes.len() == record.changed;
         let line = self.journal.line(state, record, response);
@@ -82,7 +75,6 @@ impl<'a, 'scope> Recorder<'a, 'scope> {
             checkpoint,
         })?;
         self.picture.update(state);
-        self.handed_over.note(HAND_OVER, start);
         Ok(())
     }
 
@@ -104,26 +96,21 @@ impl<'a, 'scope> Recorder<'a, 'scope> {
         self,
         state: &State,
         ending: Ending,
-        phases: &mut Phases,
     ) -> Result<(Solved, WrittenRecord), RunError> {
         let Recorder {
-            journal,
-            writer,
-            handed_over,
-            ..
+            journal, writer, ..
         } = self;
-        phases.append(handed_over.list);
         let model = journal.problem.model;
         let size = match state.size {
             Some(size) => size,
             // No step was possible.
             None => {
                 let supports = journal.problem.programme.supports();
-                Solver::new(journal.problem.model, supports, phases)?.size()
+                Solver::new(journal.problem.model, supports)?.size()
             }
         };
         let writer = writer.expect("an error of the writer ends the run where it is met");
-        let written = phases.measure(HAND_OVER, || writer.finish())?;
+        let written = measure(HAND_OVER, || writer.finish())?;
         let solution = Solution {
             displacement: model.in_space(&state.displacement),
             reaction: model.in_space(&state.reaction),

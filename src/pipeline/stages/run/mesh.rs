@@ -4,7 +4,7 @@ use super::{MESH_FILE, Observer, Run};
 use crate::gmsh::Extract;
 use crate::meshio::{self};
 use crate::output::write_whole;
-use crate::phases::Phases;
+use crate::phases::{Phases, collect, measure};
 use crate::pipeline::account::costs::Costs;
 use crate::pipeline::error::RunError;
 use crate::pipeline::record::frames::encode;
@@ -43,12 +43,14 @@ impl Run<'_> {
         }
         self.observer.starts(Stage::Mesh);
         let _span = self.options.trace.span(Kind::Stage, Stage::Mesh.name());
-        let mut phases = self.phases();
         let program = match meshio::reads(&self.plan.geometry.file) {
             true => "meshio",
             false => "gmsh",
         };
-        let extract = phases.measure(program, || mesh_geometry(self.plan, self.options))?;
+        let (extract, phases) = collect(&self.options.trace, || {
+            measure(program, || mesh_geometry(self.plan, self.options))
+        });
+        let extract = extract?;
         let bytes = encode(&extract);
         self.kept.insert(MESH_FILE, stamp::hash(&bytes));
         self.costs.phases.append(phases.list.clone());

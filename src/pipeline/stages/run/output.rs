@@ -2,7 +2,7 @@
 
 use super::{Observer, Run};
 use crate::output::write_whole;
-use crate::phases::peak_memory;
+use crate::phases::{collect, peak_memory};
 use crate::pipeline::account::costs::Costs;
 use crate::pipeline::account::summary::{SUMMARY_FILE, Summary, read_summary};
 use crate::pipeline::error::RunError;
@@ -31,12 +31,13 @@ impl Run<'_> {
         // A draft in the folder and a manifest that calls all finished must not meet.
         self.begin(Stage::Output, &[])?;
         let draft = draft(folder)?;
+        let trace = &self.options.trace;
+        let (written, phases) = collect(trace, || outcome.write(draft.path(), trace));
+        let (made, animation) = written?;
         let mut costs = Costs {
-            phases: self.phases(),
+            phases,
             ..Costs::default()
         };
-        let (made, animation) = outcome.write(draft.path(), &mut costs.phases)?;
-
         costs.phases.complete(start.elapsed());
         costs.peak_memory = peak_memory();
         costs.made = made;

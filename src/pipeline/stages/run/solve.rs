@@ -4,7 +4,7 @@ use super::{Observer, Run, SOLUTION_FILE};
 use crate::boundary::Boundary;
 use crate::model::Model;
 use crate::output::write_whole;
-use crate::phases::{Phases, peak_memory};
+use crate::phases::{collect, peak_memory};
 use crate::pipeline::account::costs::Costs;
 use crate::pipeline::account::summary::FilesSummary;
 use crate::pipeline::error::RunError;
@@ -40,17 +40,13 @@ impl Run<'_> {
         self.observer.starts(Stage::Solve);
         let _span = self.options.trace.span(Kind::Stage, Stage::Solve.name());
         let start = Instant::now();
-        let mut costs = Costs {
-            phases: self.phases(),
-            ..Costs::default()
-        };
-        let solved = match &self.plan.loading {
-            None => {
-                let backend = self.options.resolution.backend();
-                solve_once(model, boundary, backend, &mut costs.phases)?
-            }
-            Some(loading) => self.break_apart(loading, model, &recipe, &mut costs)?,
-        };
+        let mut costs = Costs::default();
+        let (solved, phases) = collect(&self.options.trace, || match &self.plan.loading {
+            None => solve_once(model, boundary, self.options.resolution.backend()),
+            Some(loading) => self.break_apart(loading, model, &recipe, &mut costs),
+        });
+        let solved = solved?;
+        costs.phases = phases;
         costs.peak_memory = peak_memory();
         let mut files = vec![SOLUTION_FILE.to_owned()];
         if let Some(course) = &solved.fracture {
@@ -103,9 +99,10 @@ impl Run<'_> {
             model,
             recipe: &recipe,
             resolution: self.options.resolution,
+            trace: &self.options.trace,
         };
         let (solved, WrittenRecord { frames, phases }) =
-            fracture::run(&task, self.observer.inner(), &mut costs.phases)?;
+            fracture::run(&task, self.observer.inner())?;
         self.keep_warnings(&solved);
         costs.behind = phases;
         costs.frames = Some(FilesSummary::new(&frames, ""));
@@ -117,9 +114,8 @@ fn solve_once(
     model: &Model,
     boundary: &Boundary,
     backend: Option<Backend>,
-    phases: &mut Phases,
 ) -> Result<Solved, RunError> {
-    let solution = statics::solve_by(model, boundary, backend, phases)?;
+    let solution = statics::solve_by(model, boundary, backend)?;
     Ok(Solved {
         solution,
         integrity: SparseIntegrity::new(&model.integrity),

@@ -304,6 +304,127 @@ fn the_first_events_of_section_4_2() {
     assert!(fast == 1 && reference == 60, "{fast} {reference}");
 }
 
+/// A beam of 400 × 100 mm in three-point bending, finite elements around 80 × 64 points with a notch of 20 mm,
+/// and a boundary that moves or loads one node at the top.
+fn notched_beam(load: impl Fn(&Model, &mut Boundary)) -> ((Model, BondLaws), Programme) {
+    let grid = Grid {
+        size: [0.4, 0.1],
+        count: [40, 10],
+        kind: CellKind::Quad4,
+    };
+    let mut mesh = grid.plain();
+    let is_lattice = |[x, y]: [f64; 2]| (x - 0.2).abs() < 0.05 && y < 0.08;
+    name_cells(&mut mesh, "elements", |at| !is_lattice(at));
+    name_cells(&mut mesh, "points", is_lattice);
+    for (name, at) in [
+        ("left", [0.0, 0.0]),
+        ("right", [0.4, 0.0]),
+        ("load", [0.2, 0.1]),
+    ] {
+        let node = nearest(&mesh.nodes, at);
+        mesh.points.insert(name.to_owned(), vec![node]);
+    }
+    let first = mesh.nodes.len();
+    mesh.nodes.extend([[0.2, 0.0], [0.2, 0.02]]);
+    let notch = Edge {
+        ends: [first, first + 1],
+        middle: None,
+    };
+    let cracks = Cracks::new(&mesh, &[notch]);
+    let settings = PeridynamicSettings {
+        horizon_ratio: 3.0,
+        ..paper_lattice(0.5 * DX, Placement::CellCentred)
+    };
+    let regions = vec![
+        region(&mesh, &["elements"], steel(), Method::FiniteElements),
+        region(&mesh, &["points"], steel(), Method::Peridynamics(settings)),
+    ];
+    let model = build(mesh, regions, PlaneState::Stress).with_cracks(&cracks);
+    let law = Brittle::new(
+        Strength::EnergyReleaseRate(10.0),
+        steel().young,
+        &model.points[0].micromodulus,
+    );
+    let class = |interaction| u32::from(model.interactions.bonds().contains(&interaction));
+    let laws = BondLaws::brittle(
+        vec![StretchLimits::NONE, law.limits],
+        (0..model.interactions.len()).map(class).collect(),
+    );
+    let mut boundary = Boundary::new(&model);
+    for (group, components) in [("left", [Some(0.0); 2]), ("right", [None, Some(0.0)])] {
+        boundary
+            .displace(&model, group, components)
+            .expect("a support");
+    }
+    load(&model, &mut boundary);
+    ((model, laws), Programme::proportional(boundary))
+}
+
+/// Loaded by a force, the path is that of the same node moved down: λ of the one is the reaction of the other,
+/// bond by bond. And it costs as little: a residual measured against the force alone grows with the slenderness
+/// of the body, and let every event have a factorisation of its own.
+#[test]
+fn a_force_costs_what_its_displacement_costs() {
+    const EVENTS: usize = 300;
+    let by_force = notched_beam(|model, boundary| {
+        boundary
+            .add_force(model, "load", [0.0, -1.0])
+            .expect("a force");
+    });
+    let by_displacement = notched_beam(|model, boundary| {
+        boundary
+            .displace(model, "load", [None, Some(-1e-6)])
+            .expect("a displacement");
+    });
+    let path = |((model, laws), programme): &((Model, BondLaws), Programme)| {
+        let problem = Problem {
+            model,
+            programme,
+            laws,
+            control: Control::EventDriven,
+            until: Until {
+                steps: EVENTS,
+                separated: true,
+            },
+            resolution: Resolution::Fast,
+        };
+        let mut state = State::new(model, programme);
+        let (mut factors, mut reactions) = (Vec::new(), Vec::new());
+        let observe = |state: &State, _: Record, response: &Response| {
+            factors.push(state.load.factor);
+            // Left, load, right; or left and right.
+            reactions.push(response.values().resultants([1, 0], state.load)[1][1]);
+            Ok::<(), StaticsError>(())
+        };
+        let (ending, phases) = collect(&Trace::default(), || {
+            control::run(&problem, &mut state, observe)
+        });
+        ending.expect("no error");
+        let factorisations = phases.list.iter().find(|p| p.name == "factorisation");
+        (
+            factors,
+            reactions,
+            state.broken(),
+            factorisations.map_or(0, |p| p.count),
+        )
+    };
+    let (forces, _, broken, factorisations) = path(&by_force);
+    let (_, reactions, twin, of_twin) = path(&by_displacement);
+    assert_eq!([forces.len(), reactions.len()], [EVENTS; 2]);
+    assert_eq!(broken, twin);
+    for (event, (force, reaction)) in forces.iter().zip(&reactions).enumerate() {
+        let error = (force + reaction).abs();
+        assert!(
+            error <= 1e-9 * force,
+            "event {event}: {force} N, {reaction} N"
+        );
+    }
+    assert!(
+        factorisations <= of_twin + 1 && of_twin < 10,
+        "{factorisations} {of_twin}"
+    );
+}
+
 const CENTRE: [[f64; 2]; 2] = [[0.0375, 0.05], [0.0625, 0.05]];
 const TWO: [[[f64; 2]; 2]; 2] = [
     [[0.0, 0.0425], [0.03, 0.0425]],

@@ -1,14 +1,14 @@
 //! Closing lines of a run: the main numbers, and the files.
 
-use crate::output::number::{scientific, signed_percent};
+use crate::output::number::{percent, scientific, signed_percent};
 use crate::pipeline::account::summary::{
-    Event, FractureSummary, PhaseSummary, ProbeSummary, Summary,
+    DrivenBy, Event, FractureSummary, PhaseSummary, ProbeSummary, Summary,
 };
 use crate::pipeline::read::plan::Plan;
 use crate::pipeline::read::spec::Control;
 use crate::pipeline::record::writer;
 use crate::pipeline::show::damage_picture::DAMAGE_PICTURE;
-use crate::pipeline::show::report::REPORT_FILE;
+use crate::pipeline::show::report::{REPORT_FILE, quantity};
 use std::collections::BTreeMap;
 
 /// Numbers that a person wants to see, to standard output.
@@ -59,20 +59,12 @@ pub(super) fn print_next(plan: &Plan) {
     println!("  next: peristitch watch {pipeline}  (runs it again after each save)");
 }
 
-/// Onset, peak and end of a fracture run, each with what the pipeline gives as its reference.
+/// First break, peak and end of a fracture run, each with what the pipeline gives as its reference.
 fn print_fracture(outcome: &str, fracture: &FractureSummary) {
     let print = |title: &str, event: &Option<Event>, reference: Option<usize>| {
-        let reference = reference.map(|step| format!(" (reference: step {step})"));
-        let reference = reference.unwrap_or_default();
-        match event {
-            Some(event) => println!(
-                "  {title}: step {}{reference}, at {} m and {} N",
-                event.step,
-                scientific(event.grip_displacement_m, 4),
-                scientific(event.reaction_n, 4)
-            ),
-            None => println!("  {title}: never{reference}"),
-        }
+        let driven_by = fracture.driven_by;
+        let line = described_event(title, event.as_ref(), reference, driven_by);
+        println!("  {line}");
     };
     // The references count load steps, and the events of the event-driven control are none.
     let is_event_driven = fracture.control == Some(Control::EventDriven);
@@ -83,11 +75,19 @@ fn print_fracture(outcome: &str, fracture: &FractureSummary) {
         &fracture.first_break,
         reference.first_break,
     );
-    print("peak reaction", &fracture.peak, None);
-    if is_event_driven {
+    if fracture.driven_by == DrivenBy::Displacements {
+        print("peak reaction", &fracture.peak, None);
+    }
+    if fracture.driven_by == DrivenBy::Forces || is_event_driven {
         print("largest load factor", &fracture.envelope_peak, None);
     }
     print(outcome, &fracture.end, reference.separated);
+    if let Some(left) = fracture.force_left {
+        println!(
+            "  force along the prescribed displacements: {} of its largest is left",
+            percent(left, 1)
+        );
+    }
     if !fracture.fragments.is_empty() {
         println!(
             "  come off: {} parts of {} points in all",
@@ -105,6 +105,40 @@ fn print_fracture(outcome: &str, fracture: &FractureSummary) {
         fracture.bonds_broken,
         length.unwrap_or_default()
     );
+}
+
+/// An event in one line: its step, its load, and the place of the bond that broke.
+fn described_event(
+    title: &str,
+    event: Option<&Event>,
+    reference: Option<usize>,
+    driven_by: DrivenBy,
+) -> String {
+    let reference = reference.map_or_else(String::new, |step| format!(" (reference: step {step})"));
+    let Some(event) = event else {
+        return format!("{title}: never{reference}");
+    };
+    let factor = quantity(event.load_factor, "");
+    let load = match driven_by {
+        DrivenBy::Displacements => format!(
+            "at {} m and {} N",
+            scientific(event.grip_displacement_m, 4),
+            scientific(event.reaction_n, 4)
+        ),
+        DrivenBy::Forces => match event.load_n {
+            Some(load) => format!("at λ = {factor}, {} N", scientific(load, 4)),
+            None => format!("at λ = {factor}"),
+        },
+    };
+    let place = event.at_m.map_or_else(String::new, |at| {
+        let [x, y] = at.map(|metres| quantity(1e3 * metres, ""));
+        let factor = match driven_by {
+            DrivenBy::Displacements => format!(", λ = {factor}"),
+            DrivenBy::Forces => String::new(),
+        };
+        format!("{factor}, bond at ({x}, {y}) mm")
+    });
+    format!("{title}: step {}{reference}, {load}{place}", event.step)
 }
 
 /// Components below this share of the largest are what rounding leaves of zero.

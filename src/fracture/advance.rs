@@ -12,8 +12,12 @@ impl State {
     /// Moves along the straight path to `load`.
     pub(super) fn advance(&mut self, problem: &Problem, response: &Response, load: Load) {
         self.account(problem, response, load);
-        self.force
-            .follow(response.values().stiffness(self.phase), load);
+        let stiffness = response.values().stiffness(self.phase);
+        self.force.follow(stiffness, load);
+        self.course.follow(match stiffness == 0.0 {
+            true => load.share * load.factor,
+            false => self.force.now.abs(),
+        });
         self.load = load;
         self.envelope = self.envelope.max(load.factor);
     }

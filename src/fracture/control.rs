@@ -1,23 +1,27 @@
 //! How the load grows while bonds break.
 
 use super::event::{Event, Load};
+use super::functional::Values;
 use super::programme::LoadPhase;
 use super::response::Response;
 use super::state::State;
+use super::unbreakable::UnbreakableNodes;
 use crate::phases::measure;
 use crate::statics::{Solver, StaticsError};
 
 pub use super::ending::Ending;
 pub use super::problem::{Control, Problem, Resolution, Until};
 
-/// One line of the history.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// One step of the run.
+#[derive(Clone, Debug, Default)]
 pub struct Record {
     /// Changes of integrity, and those of them that broke an interaction.
     pub changed: usize,
     pub broken: usize,
     pub passes: usize,
     pub residual: f64,
+    /// Resultants and works of the first pass, before bonds broke in the step.
+    pub first_pass: Values,
 }
 
 /// Loads `state` until the run ends. `observe` is called after each step; an error
@@ -32,7 +36,8 @@ pub fn run<E: From<StaticsError>>(
 ) -> Result<Ending, E> {
     // Decided from the state alone, so that a run resumed after its last step ends there too.
     state.begin_phase_if_due(problem.model, problem.programme);
-    if let Some(ending) = ending(problem, state) {
+    let unbreakable = UnbreakableNodes::new(problem);
+    if let Some(ending) = ending(problem, state, &unbreakable) {
         return Ok(ending);
     }
     let (supports, backend) = (problem.programme.supports(), problem.resolution.backend());
@@ -47,7 +52,10 @@ pub fn run<E: From<StaticsError>>(
     };
     while let Some(load) = next_load(problem, state, &response) {
         state.step += 1;
-        let mut record = Record::default();
+        let mut record = Record {
+            first_pass: response.values().clone(),
+            ..Record::default()
+        };
         let last_changed = loop {
             state.advance(problem, &response, load);
             let [changed, broken] = change_bonds(problem, state, &mut response, load);
@@ -66,7 +74,7 @@ pub fn run<E: From<StaticsError>>(
         };
         observe(state, record, &response)?;
         let is_new_phase = state.begin_phase_if_due(problem.model, problem.programme);
-        if let Some(ending) = ending(problem, state) {
+        if let Some(ending) = ending(problem, state, &unbreakable) {
             state.settle(problem, &response);
             return Ok(ending);
         }
@@ -84,7 +92,7 @@ fn passes_again(control: Control, passes: usize) -> bool {
 }
 
 /// Whether the run ends with this state.
-fn ending(problem: &Problem, state: &State) -> Option<Ending> {
+fn ending(problem: &Problem, state: &State, unbreakable: &UnbreakableNodes) -> Option<Ending> {
     let Problem { control, until, .. } = problem;
     let is_equilibrium = matches!(control, Control::Equilibrium { .. });
     if state.load_lost || (until.separated && state.force.is_spent()) {
@@ -96,6 +104,8 @@ fn ending(problem: &Problem, state: &State) -> Option<Ending> {
         Some(Ending::PassLimit)
     } else if problem.programme.is_over(state.phase, state.load) {
         Some(Ending::LoadLimit)
+    } else if until.separated && unbreakable.have_stopped(problem, state) {
+        Some(Ending::ReachedUnbreakable)
     } else if state.step == until.steps {
         Some(Ending::StepLimit)
     } else {
@@ -108,6 +118,12 @@ fn next_load(problem: &Problem, state: &State, response: &Response) -> Option<Lo
     let LoadPhase { increment, end, .. } = problem.programme.phases[state.phase];
     let end = end.unwrap_or(f64::INFINITY);
     match problem.control {
+        // A number of steps is a number of lines: those that can break nothing are among them.
+        Control::OnePass | Control::Equilibrium { .. }
+            if problem.until.steps == Until::NO_LIMIT && response.carries_any_load() =>
+        {
+            None
+        }
         Control::OnePass | Control::Equilibrium { .. } => {
             let next = (state.step - state.phase_start) as f64 + 1.0;
             Some(Load::full(f64::min(next * increment, end)))

@@ -20,10 +20,12 @@ pub enum Ending {
     PassLimit,
     /// No load breaks another bond.
     NothingLeftToBreak,
+    /// Cracks have come to material that cannot break, and the load grows again.
+    ReachedUnbreakable,
 }
 
 impl Ending {
-    pub const ALL: [Ending; 7] = [
+    pub const ALL: [Ending; 8] = [
         Ending::Separated,
         Ending::Collapsed,
         Ending::Singular,
@@ -31,6 +33,7 @@ impl Ending {
         Ending::StepLimit,
         Ending::PassLimit,
         Ending::NothingLeftToBreak,
+        Ending::ReachedUnbreakable,
     ];
 
     /// In a few words.
@@ -43,6 +46,7 @@ impl Ending {
             Ending::StepLimit => "step limit",
             Ending::PassLimit => "pass limit",
             Ending::NothingLeftToBreak => "nothing left to break",
+            Ending::ReachedUnbreakable => "reached unbreakable material",
         }
     }
 }

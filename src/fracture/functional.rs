@@ -117,7 +117,7 @@ fn nonzero(weights: impl Iterator<Item = (usize, f64)>) -> Vec<(usize, f64)> {
 }
 
 /// The functionals of a programme at one moment, under what is held and per unit of λ.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Values(pub Vec<[f64; 2]>);
 
 impl Values {

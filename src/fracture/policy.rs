@@ -8,6 +8,13 @@ pub const TIE: f64 = 1e-3;
 /// then.
 pub const SEPARATED: f64 = 0.02;
 
+/// A load above this share of its peak has recovered if it had fallen below this share of itself.
+pub const RECOVERED: f64 = 0.5;
+
+/// Cracks are stopped where this share of the last bonds that broke, so many, end at what cannot break.
+pub const STOPPED: f64 = 0.9;
+pub const LAST_BREAKS: usize = 50;
+
 /// A bond at this share of its limit may break soon: its dofs come in with others.
 pub const NEAR: f64 = 0.8;
 

@@ -23,10 +23,14 @@ pub enum Control {
 /// Conditions that end a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Until {
-    /// Load steps, or events.
+    /// Load steps, or events; [`Until::NO_LIMIT`] where their number does not end the run.
     pub steps: usize,
     /// Whether the separation of the body ends the run.
     pub separated: bool,
+}
+
+impl Until {
+    pub const NO_LIMIT: usize = usize::MAX;
 }
 
 /// Everything that a run needs and does not change.

@@ -253,6 +253,12 @@ impl Response {
         over
     }
 
+    /// Whether no larger load breaks a bond, as far as it is known.
+    pub(super) fn carries_any_load(&self) -> bool {
+        self.carries
+            .is_some_and(|bounds| bounds.upper == f64::INFINITY)
+    }
+
     /// Bonds near a limit of their branch under a load.
     fn bonds_near_limit(&self, problem: &Problem, state: &State, load: Load) -> Vec<usize> {
         let is_near = |&s: &usize| {

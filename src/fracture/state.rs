@@ -5,6 +5,7 @@ use super::ending::Ending;
 use super::event::Load;
 use super::policy::SEPARATED;
 use super::programme::Programme;
+use super::unbreakable::LoadCourse;
 use crate::model::Model;
 use crate::statics::{StaticsError, SystemSize};
 use crate::support;
@@ -44,6 +45,7 @@ pub struct State {
     pub stopped: Option<(Ending, String)>,
     pub energy: Energy,
     pub force: LoadForce,
+    pub course: LoadCourse,
     /// Q and W of each phase [J].
     pub work: Vec<[f64; 2]>,
     /// Every change of integrity since the start, in their order; initial cracks are none.
@@ -122,6 +124,7 @@ impl State {
             stopped: None,
             energy: Energy::default(),
             force: LoadForce::default(),
+            course: LoadCourse::default(),
             work: vec![[0.0; 2]; programme.phases.len()],
             changes: Vec::new(),
             fresh: 0,

@@ -1,6 +1,7 @@
 //! Files that the stages keep between and during runs, and their readers.
 
 pub mod checkpoint;
+pub mod events;
 pub mod folder;
 pub mod format;
 pub mod frames;

@@ -46,9 +46,13 @@ pub struct Summary {
 /// Onset, peak and end of a fracture run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FractureSummary {
+    pub driven_by: DrivenBy,
     pub first_break: Option<Event>,
     pub peak: Option<Event>,
     pub end: Option<Event>,
+    /// Share of the largest force along the prescribed displacements that is left at the end [-]: what decides
+    /// whether the body is separated.
+    pub force_left: Option<f64>,
     pub control: Option<Control>,
     /// Why there was no solution any more, where the run ended so.
     pub stopped_because: Option<String>,
@@ -56,7 +60,7 @@ pub struct FractureSummary {
     pub fragments: Vec<usize>,
     /// Names of the phases of the load programme.
     pub phases: Option<Vec<String>>,
-    /// The largest load of the last phase: there, a load that only grows would have broken the body.
+    /// The largest λ of the last phase: there, a load that only grows would have broken the body.
     pub envelope_peak: Option<Event>,
     pub bonds_broken: usize,
     pub crack_length_m: Option<f64>,
@@ -72,7 +76,24 @@ pub struct Event {
     pub step: usize,
     pub load_factor: f64,
     pub grip_displacement_m: f64,
+    /// Largest resultant on a group with prescribed displacements; of the first break that under which the bond
+    /// broke.
     pub reaction_n: f64,
+    /// Sum of the amounts of all nodal forces, where only forces load the body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub load_n: Option<f64>,
+    /// Middle of the bond that broke first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_m: Option<[f64; 2]>,
+}
+
+/// The kind of load on the body in a fracture run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DrivenBy {
+    Displacements,
+    /// No boundary moves, and the reactions of supports may be rounding: the load is λ.
+    Forces,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -6,7 +6,7 @@ use crate::pipeline::read::plan::Probe;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
-/// One line: a load step, or an event.
+/// One line of the history: a load step, or an event.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HistoryLine {
     pub step: usize,
@@ -22,6 +22,8 @@ pub struct HistoryLine {
     pub grip_displacement: f64,
     /// Largest resultant on a group with prescribed displacements [N].
     pub reaction: f64,
+    /// The same before bonds broke in the step [N]; it differs where the step has several passes.
+    pub breaking_reaction: f64,
     /// [J].
     pub elastic_energy: f64,
     /// [J].
@@ -30,6 +32,8 @@ pub struct HistoryLine {
     pub external_work: f64,
     pub bonds_broken: usize,
     pub bonds_broken_total: usize,
+    /// Changes of integrity since the start.
+    pub changes: usize,
     pub passes: usize,
     /// Largest backward error of the step's solves.
     pub residual: f64,

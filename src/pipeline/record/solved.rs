@@ -30,6 +30,11 @@ pub struct FractureRun {
     pub fragments: Vec<usize>,
     /// Why there is no solution any more, where the run ended so.
     pub reason: Option<String>,
+    /// The interaction that broke first, one of those that broke together.
+    pub first_broken: Option<u32>,
+    /// Share of the largest force along the prescribed displacements of this phase that is left at the end [-];
+    /// `None` where nothing is displaced.
+    pub force_left: Option<f64>,
     /// Warnings of the run.
     pub warnings: Vec<String>,
 }

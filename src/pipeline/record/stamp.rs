@@ -27,8 +27,8 @@ impl Stage {
     fn version(self) -> u32 {
         match self {
             Stage::Mesh => 3,
-            Stage::Solve => 9,
-            Stage::Output => 5,
+            Stage::Solve => 10,
+            Stage::Output => 6,
         }
     }
 

@@ -1,70 +1,95 @@
-//! The course of a fracture run as charts: reaction over grip displacement, energies.
+//! The course of a fracture run as charts: load over displacement, energies.
 
 use crate::fracture::control::Control;
 use crate::fracture::envelope::envelope;
 use crate::output::picture::{Axis, Chart, Curve, Mark};
 use crate::pipeline::read::plan::{Loading, Plan};
+use crate::pipeline::record::events;
 use crate::pipeline::record::history::HistoryLine;
 use crate::pipeline::record::solved::FractureRun;
 
 /// Steps that break bonds are shown one by one if there are no more of them.
 const MOST_DOTS: usize = 100;
 
-/// Reaction over grip displacement; over the load factor where nothing is displaced.
-pub(crate) fn load_displacement(plan: &Plan, course: &FractureRun) -> Chart {
-    let history = &course.history;
-    let grips_move = history.iter().any(|line| line.grip_displacement > 0.0);
-    let at = |line: &HistoryLine| {
-        let x = if grips_move {
-            line.grip_displacement
-        } else {
-            line.load_factor
+/// Axes of the chart of load over displacement, and the place of a line of the history on them.
+struct Scales {
+    x: Axis,
+    y: Axis,
+    at: Box<dyn Fn(&HistoryLine) -> [f64; 2]>,
+}
+
+impl Scales {
+    /// The reaction over the displacement of the grips. Where only forces load the body, λ over the
+    /// displacement that works with them, f·u / Σ |f_i| for the forces f at λ = 1, of which the elastic energy is
+    /// ½ λ f·u. In a programme of several phases of forces, λ over the step.
+    fn of(history: &[HistoryLine], unit_load: f64) -> Scales {
+        if !events::is_driven_by_forces(history) {
+            return Scales {
+                x: axis("grip displacement", "m"),
+                y: axis("reaction", "N"),
+                at: Box::new(|line| [line.grip_displacement, line.reaction]),
+            };
+        }
+        let y = axis("load factor", "");
+        if history.iter().any(|line| line.phase > 0) || unit_load == 0.0 {
+            return Scales {
+                x: axis("step", ""),
+                y,
+                at: Box::new(|line| [line.step as f64, line.load_factor]),
+            };
+        }
+        let displacement = move |line: &HistoryLine| match line.load_factor {
+            0.0 => 0.0,
+            factor => 2.0 * line.elastic_energy / (factor * unit_load),
         };
-        [x, line.reaction]
-    };
-    let (name, unit) = if grips_move {
-        ("grip displacement", "m")
-    } else {
-        ("load factor", "")
-    };
+        Scales {
+            x: axis("displacement along the loads", "m"),
+            y,
+            at: Box::new(move |line| [displacement(line), line.load_factor]),
+        }
+    }
+}
+
+/// Load over displacement, with the events of the run. `unit_load`: sum of the amounts of the forces at λ = 1 [N].
+pub(crate) fn load_displacement(plan: &Plan, course: &FractureRun, unit_load: f64) -> Chart {
+    let history = &course.history;
+    let Scales { x, y, at } = Scales::of(history, unit_load);
     let mark = |(line, what): (&HistoryLine, String)| Mark {
         at: at(line),
         label: format!("{what}, step {}", line.step),
     };
     let breaking = history.iter().filter(|line| line.bonds_broken > 0);
-    let dots: Vec<[f64; 2]> = breaking.map(at).collect();
+    let dots: Vec<[f64; 2]> = breaking.map(&at).collect();
     let start = std::iter::once([0.0, 0.0]);
     let on_envelope = on_envelope(history);
     let envelope = (on_envelope.len() < history.len()).then(|| Curve {
         name: "envelope".to_owned(),
-        points: on_envelope.into_iter().map(at).collect(),
+        points: on_envelope.into_iter().map(&at).collect(),
         ..Curve::default()
     });
-    let reaction = Curve {
-        name: "reaction".to_owned(),
-        points: start.chain(history.iter().map(at)).collect(),
+    let path = Curve {
+        name: y.name.clone(),
+        points: start.chain(history.iter().map(&at)).collect(),
         dots: if dots.len() <= MOST_DOTS {
             dots
         } else {
             Vec::new()
         },
-        marks: events(course).into_iter().map(mark).collect(),
+        marks: marked(course).into_iter().map(mark).collect(),
     };
     Chart {
-        title: format!("{}: reaction over {name}", plan.name),
-        x: axis(name, unit),
-        y: axis("reaction", "N"),
-        curves: std::iter::once(reaction).chain(envelope).collect(),
+        title: format!("{}: {} over {}", plan.name, y.name, x.name),
+        x,
+        y,
+        curves: std::iter::once(path).chain(envelope).collect(),
     }
 }
 
-/// First break, largest reaction, end.
-fn events(course: &FractureRun) -> Vec<(&HistoryLine, String)> {
+/// First break, largest load, end.
+fn marked(course: &FractureRun) -> Vec<(&HistoryLine, String)> {
     let history = &course.history;
-    let first = history.iter().find(|line| line.bonds_broken > 0);
-    let peak = history
-        .iter()
-        .max_by(|a, b| a.reaction.total_cmp(&b.reaction));
+    let first = events::first_break(history);
+    let peak = events::peak(history);
     let last = history.last();
     // The end may be the peak, and the first break too.
     let peak = peak.filter(|peak| {

@@ -12,6 +12,7 @@ use crate::pipeline::account::written_file::WrittenFile;
 use crate::pipeline::error::ResultsError;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::spec::{Format, PictureKind};
+use crate::pipeline::record::events;
 use crate::pipeline::record::frames::{Frame, read_frame};
 use crate::pipeline::record::solved::FractureRun;
 use crate::trace::Trace;
@@ -22,9 +23,9 @@ use std::path::Path;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ResultPicture {
     Mesh,
-    /// A component of the displacement, of the frame with the largest reaction.
+    /// A component of the displacement; of a fracture run at the peak.
     Displacement(usize),
-    /// A stress of that frame.
+    /// A stress of that state.
     Stress(Measure),
     /// Damage of the last state.
     Damage,
@@ -147,7 +148,7 @@ impl Outcome<'_> {
         let u = &solved.solution.displacement;
         let composition = match (picture, course) {
             (ResultPicture::LoadDisplacement, Some(course)) => {
-                load_displacement(plan, course).compose()
+                load_displacement(plan, course, self.unit_load()).compose()
             }
             (ResultPicture::Energies, Some(course)) => energies(plan, course).compose(),
             (ResultPicture::Displacement(axis), _) => {
@@ -180,8 +181,12 @@ impl Outcome<'_> {
     /// The state that is mapped: when a body has come apart, it carries nothing.
     fn most_loaded(&self) -> Result<Frame, RunError> {
         let solved = self.solved;
-        match solved.fracture.as_ref().and_then(most_loaded_step) {
-            Some(step) => read_frame(&self.plan.folder, self.model, step),
+        let peak = solved.fracture.as_ref().and_then(|course| {
+            let peak = events::peak(&course.history);
+            peak.filter(|line| course.frames.contains(&line.step))
+        });
+        match peak {
+            Some(peak) => read_frame(&self.plan.folder, self.model, peak.step),
             None => Ok(Frame {
                 step: 0,
                 load_factor: 1.0,
@@ -216,15 +221,6 @@ impl Outcome<'_> {
             "output.pictures_at: no picture of step {missing}: {end}"
         ))
     }
-}
-
-/// The step with the largest reaction among those with a frame.
-fn most_loaded_step(course: &FractureRun) -> Option<usize> {
-    let framed =
-        |line: &&crate::pipeline::record::history::HistoryLine| course.frames.contains(&line.step);
-    let lines = course.history.iter().filter(framed);
-    let most = lines.max_by(|a, b| a.reaction.total_cmp(&b.reaction));
-    most.map(|line| line.step)
 }
 
 /// Writes a picture; gives the bytes of its pixels and of the file.

@@ -14,7 +14,10 @@ use crate::pipeline::account::written_file::WrittenFile;
 use crate::pipeline::error::ResultsError;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::spec::Format;
-use numbers::{headline, numbers, quantity};
+use crate::pipeline::record::events;
+use crate::pipeline::record::history::HistoryLine;
+pub(crate) use numbers::quantity;
+use numbers::{headline, numbers};
 use page::{Figure, FramePicture, HistoryPoint, Input, Report};
 use serde_json::{Value, json};
 use std::fs;
@@ -77,15 +80,20 @@ impl Outcome<'_> {
 
     fn frames(&self, animation: &AnimationFrames) -> Result<Vec<FramePicture>, RunError> {
         let course = self.solved.fracture.as_ref();
+        let by_forces = course.is_some_and(|c| events::is_driven_by_forces(&c.history));
+        let reaction = |line: &HistoryLine| match by_forces {
+            true => String::new(),
+            false => format!("reaction {}, ", quantity(line.reaction, "N")),
+        };
         let mut frames = Vec::new();
         for (&step, still) in animation.steps.iter().zip(&animation.stills) {
             let png = still.to_png().map_err(ResultsError::from)?;
             let line = course.and_then(|c| c.history.iter().find(|line| line.step == step));
             let text = match line {
                 Some(line) => format!(
-                    "step {step}: load factor {:.4}, reaction {}, {} bonds broken",
+                    "step {step}: load factor {:.4}, {}{} bonds broken",
                     line.load_factor,
-                    quantity(line.reaction, "N"),
+                    reaction(line),
                     line.bonds_broken_total
                 ),
                 None => format!("step {step}: before the first load"),
@@ -104,7 +112,7 @@ impl Outcome<'_> {
         else {
             return Ok(None);
         };
-        let chart = load_displacement(self.plan, course);
+        let chart = load_displacement(self.plan, course, self.unit_load());
         let composition = chart.compose().map_err(ResultsError::from)?;
         let svg = composition.svg().map_err(ResultsError::from)?;
         // The curve begins with the origin, where there is no step.
@@ -117,11 +125,12 @@ impl Outcome<'_> {
                 step: line.step,
                 at: composition.place_of([x, y]),
                 text: format!(
-                    "step {}: {} = {}, reaction {}",
+                    "step {}: {} = {}, {} = {}",
                     line.step,
                     chart.x.name,
                     quantity(x, &chart.x.unit),
-                    quantity(y, "N")
+                    chart.y.name,
+                    quantity(y, &chart.y.unit)
                 ),
             })
             .collect();

@@ -1,16 +1,18 @@
 //! The numbers of a run for `summary.json`.
 
 use super::results::{Outcome, lattice_name};
-use crate::fracture::envelope::peak;
 use crate::geometry::edge_length;
 use crate::gmsh;
 use crate::model::{Method, PointRegion};
 use crate::pipeline::account::costs::Costs;
 use crate::pipeline::account::summary::{
-    Event, FractureSummary, InterfaceSummary, LatticeSummary, ProbeSummary, Sizes, Summary,
+    DrivenBy, Event, FractureSummary, InterfaceSummary, LatticeSummary, ProbeSummary, Sizes,
+    Summary,
 };
 use crate::pipeline::read::plan::Probe;
+use crate::pipeline::record::events;
 use crate::pipeline::record::history::HistoryLine;
+use crate::pipeline::record::solved::FractureRun;
 use crate::statics::group_reactions;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -114,28 +116,66 @@ impl Outcome<'_> {
 
     fn fracture_summary(&self) -> Option<FractureSummary> {
         let course = self.solved.fracture.as_ref()?;
-        let lines = || course.history.iter();
-        let peak = lines().max_by(|a, b| a.reaction.total_cmp(&b.reaction));
+        let history = &course.history;
+        let event = |line: Option<&HistoryLine>| Some(self.event(course, line?));
         let loading = self.plan.loading.as_ref();
         let names = loading.map(|loading| loading.phases.iter().map(|phase| phase.name.clone()));
         let written = self.plan.spec.loading.as_ref();
         Some(FractureSummary {
-            first_break: lines().find(|line| line.bonds_broken > 0).map(Event::from),
-            peak: peak.map(Event::from),
-            end: course.history.last().map(Event::from),
+            driven_by: match events::is_driven_by_forces(history) {
+                true => DrivenBy::Forces,
+                false => DrivenBy::Displacements,
+            },
+            first_break: self.first_break(course),
+            peak: event(events::peak(history)),
+            end: event(history.last()),
+            force_left: course.force_left,
             control: written.map(|loading| loading.control),
             stopped_because: course.reason.clone(),
             fragments: course.fragments.clone(),
             phases: names.map(Iterator::collect),
-            envelope_peak: envelope_peak(&course.history),
-            bonds_broken: course
-                .history
-                .last()
-                .map_or(0, |line| line.bonds_broken_total),
-            crack_length_m: course.history.last().map(|line| line.crack_length),
-            largest_residual: lines().map(|line| line.residual).fold(0.0, f64::max),
+            envelope_peak: event(events::largest_load_factor(history)),
+            bonds_broken: history.last().map_or(0, |line| line.bonds_broken_total),
+            crack_length_m: history.last().map(|line| line.crack_length),
+            largest_residual: history.iter().map(|line| line.residual).fold(0.0, f64::max),
             frames: course.frames.clone(),
             reference: written.map(|loading| loading.reference),
+        })
+    }
+
+    fn event(&self, course: &FractureRun, line: &HistoryLine) -> Event {
+        let by_forces = events::is_driven_by_forces(&course.history);
+        let factor = line.load_share * line.load_factor;
+        Event {
+            step: line.step,
+            load_factor: line.load_factor,
+            grip_displacement_m: line.grip_displacement,
+            reaction_n: line.reaction,
+            load_n: by_forces
+                .then(|| factor * self.unit_load())
+                .filter(|_| line.phase == 0),
+            at_m: None,
+        }
+    }
+
+    /// Sum of the amounts of the nodal forces at λ = 1 in the first phase [N].
+    pub(crate) fn unit_load(&self) -> f64 {
+        let (forces, _) = self.boundary.load.as_chunks::<2>();
+        forces.iter().map(|[x, y]| x.hypot(*y)).sum()
+    }
+
+    /// The first break with the reaction under which it happened, and the middle of the bond.
+    fn first_break(&self, course: &FractureRun) -> Option<Event> {
+        let line = events::first_break(&course.history)?;
+        let at = course.first_broken.map(|bond| {
+            let model = self.model;
+            let [a, b] = model.interactions.segment(bond as usize, &model.positions);
+            [0, 1].map(|axis| (a[axis] + b[axis]) / 2.0)
+        });
+        Some(Event {
+            reaction_n: line.breaking_reaction,
+            at_m: at,
+            ..self.event(course, line)
         })
     }
 
@@ -163,25 +203,4 @@ impl Outcome<'_> {
             error: probe.reference.map(|reference| value / reference - 1.0),
         }
     }
-}
-
-impl From<&HistoryLine> for Event {
-    fn from(line: &HistoryLine) -> Event {
-        Event {
-            step: line.step,
-            load_factor: line.load_factor,
-            grip_displacement_m: line.grip_displacement,
-            reaction_n: line.reaction,
-        }
-    }
-}
-
-/// The largest load of the last phase that stood alone on the path: there, a load that only grows would
-/// have broken the body.
-fn envelope_peak(history: &[HistoryLine]) -> Option<Event> {
-    let phase = history.last()?.phase;
-    let lines: Vec<&HistoryLine> = history.iter().filter(|line| line.phase == phase).collect();
-    let factors: Vec<f64> = lines.iter().map(|line| line.load_factor).collect();
-    let peak = lines[peak(&factors)?];
-    Some(Event::from(peak))
 }

@@ -8,7 +8,7 @@ mod recorder;
 use super::course_warnings;
 use super::run::{Observer, Step};
 use super::validate::{laws, programme};
-use crate::fracture::control::{self, Problem, Resolution};
+use crate::fracture::control::{self, Problem, Resolution, Until};
 use crate::fracture::state::State;
 use crate::model::Model;
 use crate::phases::measure;
@@ -97,7 +97,7 @@ pub(crate) fn run(
         let mut step_start = start;
         trace.set_step(Some(first + 1));
         let ending = control::run(&problem, &mut state, |state, record, response| {
-            measure(HAND_OVER, || recorder.step(state, record, response))?;
+            measure(HAND_OVER, || recorder.step(state, &record, response))?;
             if course_warnings::is_due(state, record.changed) {
                 course_warnings::of(&problem, state)
                     .iter()
@@ -134,7 +134,7 @@ fn step(problem: &Problem, line: &HistoryLine, steps_per_second: f64) -> Step {
     Step {
         phase,
         step: line.step,
-        most_steps: problem.until.steps,
+        most_steps: Some(problem.until.steps).filter(|&steps| steps != Until::NO_LIMIT),
         load_factor: line.load_factor,
         bonds_broken: line.bonds_broken,
         bonds_broken_total: line.bonds_broken_total,

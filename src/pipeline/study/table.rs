@@ -4,7 +4,7 @@ use super::sweep::{Run, Study};
 use crate::output::picture::PictureError;
 use crate::output::picture::chart::{Axis, Chart, Curve, Mark};
 use crate::output::{WriteError, write_whole};
-use crate::pipeline::account::summary::{Summary, read_summary};
+use crate::pipeline::account::summary::{DrivenBy, Summary, read_summary};
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::quantity;
 use crate::pipeline::read::spec::Combine;
@@ -102,9 +102,20 @@ fn results(summary: &Summary) -> Vec<(String, Value)> {
             ("end", &fracture.end),
         ];
         for (name, event) in events {
-            let quantities = json!(event);
-            let quantities = quantities.as_object().into_iter().flatten();
-            all.extend(quantities.map(|(key, value)| (format!("{name}_{key}"), value.clone())));
+            let Some(event) = event else {
+                continue;
+            };
+            let mut put = |key: &str, value: Value| all.push((format!("{name}_{key}"), value));
+            put("step", json!(event.step));
+            put("load_factor", json!(event.load_factor));
+            if let Some(load) = event.load_n {
+                put("load_n", json!(load));
+            }
+            // Where only forces load the body, nothing is displaced and reactions may be rounding.
+            if fracture.driven_by == DrivenBy::Displacements {
+                put("grip_displacement_m", json!(event.grip_displacement_m));
+                put("reaction_n", json!(event.reaction_n));
+            }
         }
         all.push(("bonds_broken".to_owned(), json!(fracture.bonds_broken)));
         let length = fracture.crack_length_m;
@@ -178,8 +189,11 @@ fn cell(value: Option<&Value>) -> String {
     }
 }
 
-/// Result that the charts of fracture runs show.
-const PEAK: &str = "peak_reaction_n";
+/// The largest load of a fracture run: column, name, unit. Runs that only forces load have no reaction.
+const PEAKS: [[&str; 3]; 2] = [
+    ["peak_reaction_n", "peak reaction", "N"],
+    ["peak_load_factor", "largest load factor", ""],
+];
 
 /// More curves than this cannot be told apart.
 const MOST_CURVES: usize = 8;
@@ -190,7 +204,7 @@ struct Shown<'a> {
     axis: Axis,
 }
 
-/// A chart of the peak reaction and of each probe over each parameter with several numbers, a curve for
+/// A chart of the largest load and of each probe over each parameter with several numbers, a curve for
 /// each combination of the others.
 ///
 /// # Errors
@@ -229,11 +243,14 @@ fn numbers(study: &Study, over: usize) -> Option<Vec<f64>> {
 }
 
 fn shown(rows: &[Row]) -> Vec<Shown<'_>> {
-    let name = |column: &str| match column.strip_prefix("probe_") {
-        Some(probe) => Some((probe.trim_end_matches("_m").to_owned(), "m")),
-        None => (column == PEAK).then(|| ("peak reaction".to_owned(), "N")),
+    let all = columns(rows);
+    let peak = PEAKS.into_iter().find(|[column, ..]| all.contains(column));
+    let name = |column: &str| match (column.strip_prefix("probe_"), peak) {
+        (Some(probe), _) => Some((probe.trim_end_matches("_m").to_owned(), "m")),
+        (None, Some([of_peak, name, unit])) if column == of_peak => Some((name.to_owned(), unit)),
+        _ => None,
     };
-    let shown = columns(rows).into_iter().filter_map(|column| {
+    let shown = all.into_iter().filter_map(|column| {
         let (name, unit) = name(column)?;
         let unit = unit.to_owned();
         Some(Shown {

@@ -14,10 +14,10 @@ impl Reader<'_> {
         };
         let counts = [
             ("loading/steps", written.steps),
-            ("loading/most_passes", written.most_passes),
-            ("output/every", self.spec.output.every),
+            ("loading/most_passes", Some(written.most_passes)),
+            ("output/every", Some(self.spec.output.every)),
         ];
-        if let Some((key, _)) = counts.iter().find(|(_, count)| *count == 0) {
+        if let Some((key, _)) = counts.iter().find(|(_, count)| *count == Some(0)) {
             let help = Some("write a whole number from 1 on".to_owned());
             return Err(self.source.error(key, "this must not be zero", help));
         }
@@ -32,6 +32,11 @@ impl Reader<'_> {
                         `fracture_toughness`, or remove `loading` for one elastic solve";
             return Err(self.source.error("loading", message, Some(help.to_owned())));
         }
+        if written.until == spec::Until::Steps && written.steps.is_none() {
+            let help = "add `steps:`, the number of load steps or events".to_owned();
+            let message = "`until: steps` needs a number of steps";
+            return Err(self.source.error("loading/until", message, Some(help)));
+        }
         Ok(Some(Loading {
             phases: self.phases(written)?,
             control: match written.control {
@@ -42,7 +47,7 @@ impl Reader<'_> {
                 spec::Control::EventDriven => Control::EventDriven,
             },
             until: Until {
-                steps: written.steps,
+                steps: written.steps.unwrap_or(Until::NO_LIMIT),
                 separated: written.until == spec::Until::Separated,
             },
         }))

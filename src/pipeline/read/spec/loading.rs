@@ -10,10 +10,11 @@ use serde::{Deserialize, Serialize};
 pub struct Loading {
     /// The [load control](pipeline.md#controls).
     pub control: Control,
-    /// The largest number of load steps or events.
-    pub steps: usize,
-    /// `separated`: the run ends when the reaction falls below 2 % of its peak; `steps`: after all
-    /// steps.
+    /// The largest number of load steps or events. Default: none; the run ends by itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steps: Option<usize>,
+    /// `separated`: the run ends when the reaction falls below 2 % of its peak, or when the cracks have come to
+    /// what cannot break; `steps`: after all steps.
     #[serde(default)]
     pub until: Until,
     /// The largest number of solves at one load under `equilibrium`.

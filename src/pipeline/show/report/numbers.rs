@@ -1,6 +1,7 @@
 //! The numbers of the report that are asked for first.
 
-use crate::pipeline::account::summary::{Event, FractureSummary, ProbeSummary, Summary};
+use crate::output::number::percent;
+use crate::pipeline::account::summary::{DrivenBy, Event, FractureSummary, ProbeSummary, Summary};
 use crate::pipeline::read::spec::Control;
 use serde_json::json;
 
@@ -29,13 +30,15 @@ pub(super) fn numbers(summary: &Summary) -> Vec<[String; 2]> {
             row(
                 name,
                 format!(
-                    "step {}{reference}: load factor {}, grip displacement {}, reaction {}",
+                    "step {}{reference}: {}",
                     event.step,
-                    quantity(event.load_factor, ""),
-                    quantity(event.grip_displacement_m, "m"),
-                    quantity(event.reaction_n, "N")
+                    described(event, fracture.driven_by)
                 ),
             );
+        }
+        if let Some(left) = fracture.force_left {
+            let name = "force along the prescribed displacements at the end";
+            row(name, format!("{} of its largest", percent(left, 1)));
         }
         row("control", super::plain(&json!(fracture.control)));
         row("bonds broken", fracture.bonds_broken.to_string());
@@ -82,14 +85,17 @@ fn events<'a>(
     // other controls the load only grows, so that the largest load is the end.
     let is_event_driven = fracture.control == Some(Control::EventDriven);
     let reference = fracture.reference.filter(|_| !is_event_driven);
-    let largest_load = fracture.envelope_peak.as_ref().filter(|_| is_event_driven);
+    let by_forces = fracture.driven_by == DrivenBy::Forces;
+    let largest_load = fracture.envelope_peak.as_ref();
+    let largest_load = largest_load.filter(|_| is_event_driven || by_forces);
+    let peak = fracture.peak.as_ref().filter(|_| !by_forces);
     let events = [
         (
             "first bond broken",
             fracture.first_break.as_ref(),
             reference.and_then(|reference| reference.first_break),
         ),
-        ("largest reaction", fracture.peak.as_ref(), None),
+        ("largest reaction", peak, None),
         ("largest load factor", largest_load, None),
         (
             &summary.outcome,
@@ -101,6 +107,27 @@ fn events<'a>(
     there
         .filter_map(|(name, event, reference)| Some((name, event?, reference)))
         .collect()
+}
+
+/// The load of an event, and the place of the bond that broke.
+fn described(event: &Event, driven_by: DrivenBy) -> String {
+    let mut text = format!("load factor {}", quantity(event.load_factor, ""));
+    match (driven_by, event.load_n) {
+        (DrivenBy::Displacements, _) => {
+            text += &format!(
+                ", grip displacement {}, reaction {}",
+                quantity(event.grip_displacement_m, "m"),
+                quantity(event.reaction_n, "N")
+            );
+        }
+        (DrivenBy::Forces, Some(load)) => text += &format!(", load {}", quantity(load, "N")),
+        (DrivenBy::Forces, None) => {}
+    }
+    if let Some(at) = event.at_m {
+        let [x, y] = at.map(|metres| quantity(1e3 * metres, ""));
+        text += &format!(", bond at ({x}, {y}) mm");
+    }
+    text
 }
 
 fn described_probe(probe: &ProbeSummary) -> String {
@@ -115,7 +142,7 @@ fn described_probe(probe: &ProbeSummary) -> String {
 }
 
 /// A number of five digits and its unit.
-pub(super) fn quantity(value: f64, unit: &str) -> String {
+pub(crate) fn quantity(value: f64, unit: &str) -> String {
     let number = match value.abs() {
         0.0 => "0".to_owned(),
         size if (1e-2..1e5).contains(&size) => {

@@ -1,12 +1,15 @@
 //! The record of a fracture run so far, from which an interrupted run continues.
 
-use crate::fracture::control::{Problem, Record};
+use crate::fracture::control::{Control, Problem, Record};
 use crate::fracture::crack_length::crack_lengths;
+use crate::fracture::earlier::Moment;
+use crate::fracture::event::Load;
 use crate::fracture::response::Response;
 use crate::fracture::state::State;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::Plan;
 use crate::pipeline::record::checkpoint::{Checkpoint, RecordHash};
+use crate::pipeline::record::events;
 use crate::pipeline::record::folder::file_error;
 use crate::pipeline::record::frames::{FRAMES_FOLDER, Frame, encode, forget_frames, frame_file};
 use crate::pipeline::record::history::{HistoryLine, header};
@@ -101,11 +104,44 @@ impl<'a> RunJournal<'a> {
         })
     }
 
-    pub fn line(&self, state: &State, record: Record, response: &Response) -> HistoryLine {
+    /// The step of the largest load, where it has no frame yet.
+    pub fn peak_without_frame(&self) -> Option<Moment> {
+        let line = events::peak(&self.history)?;
+        if self.frames.contains(&line.step) {
+            return None;
+        }
+        let earlier = self.history.iter().rfind(|other| other.step < line.step);
+        let before = match self.problem.control {
+            Control::Equilibrium { .. } => line.changes,
+            Control::OnePass | Control::EventDriven => earlier.map_or(0, |line| line.changes),
+        };
+        Some(Moment {
+            step: line.step,
+            phase: line.phase,
+            load: Load {
+                share: line.load_share,
+                factor: line.load_factor,
+            },
+            changes: [before, line.changes],
+        })
+    }
+
+    /// The frame of an earlier state, in its place among the others.
+    pub fn earlier_frame(&mut self, state: &State) -> Arc<Frame> {
+        let place = self.frames.partition_point(|&step| step < state.step);
+        self.frames.insert(place, state.step);
+        Arc::new(Frame::new(self.problem.model, state))
+    }
+
+    pub fn line(&self, state: &State, record: &Record, response: &Response) -> HistoryLine {
         let programme = self.problem.programme;
         let values = response.values();
         let counts = [programme.phases.len(), programme.probes];
         let reactions = values.resultants(counts, state.load);
+        let largest = |resultants: &[[f64; 2]]| {
+            let amounts = resultants.iter().map(|[x, y]| x.hypot(*y));
+            amounts.fold(0.0, f64::max)
+        };
         let before = self.history.last();
         let length = before.map_or(self.initial_length, |line| line.crack_length);
         let changes = &state.changes[state.changes.len() - record.changed..];
@@ -120,14 +156,14 @@ impl<'a> RunJournal<'a> {
             envelope_load_factor: state.envelope,
             load_share: state.load.share,
             grip_displacement: programme.largest_prescribed(state.phase, state.load),
-            reaction: (reactions.iter())
-                .map(|[x, y]| x.hypot(*y))
-                .fold(0.0, f64::max),
+            reaction: largest(&reactions),
+            breaking_reaction: largest(&record.first_pass.resultants(counts, state.load)),
             elastic_energy: state.energy.elastic,
             dissipated_energy: state.energy.dissipated,
             external_work: state.energy.external,
             bonds_broken: record.broken,
             bonds_broken_total: before.map_or(0, |line| line.bonds_broken_total) + record.broken,
+            changes: state.changes.len(),
             passes: record.passes,
             residual: record.residual,
             crack_length: length + grown.fold(0.0, |sum, grown| sum + grown),

@@ -2,6 +2,7 @@
 
 use super::journal::RunJournal;
 use crate::fracture::control::{Ending, Record};
+use crate::fracture::earlier;
 use crate::fracture::response::Response;
 use crate::fracture::state::State;
 use crate::phases::measure;
@@ -52,7 +53,7 @@ impl<'a, 'scope> Recorder<'a, 'scope> {
     pub fn step(
         &mut self,
         state: &State,
-        record: Record,
+        record: &Record,
         response: &Response,
     ) -> Result<(), RunError> {
         let RunJournal { plan, problem, .. } = self.journal;
@@ -78,12 +79,20 @@ impl<'a, 'scope> Recorder<'a, 'scope> {
         Ok(())
     }
 
-    /// The state after the last step.
+    /// The state after the last step, and that of the largest load, which is known only now.
     pub fn end(&mut self, state: &State) -> Result<(), RunError> {
-        let frame = self.journal.frame(state);
-        self.give(StepRecord {
-            frame,
-            ..StepRecord::default()
+        let mut frames = Vec::from_iter(self.journal.frame(state));
+        // A run that has come to its end is none the worse for a frame that cannot be found.
+        if let Some(moment) = self.journal.peak_without_frame()
+            && let Ok(peak) = earlier::state_at(self.journal.problem, state, &moment)
+        {
+            frames.push(self.journal.earlier_frame(&peak));
+        }
+        frames.into_iter().try_for_each(|frame| {
+            self.give(StepRecord {
+                frame: Some(frame),
+                ..StepRecord::default()
+            })
         })
     }
 
@@ -123,6 +132,8 @@ impl<'a, 'scope> Recorder<'a, 'scope> {
             ending,
             fragments: state.fragments.iter().map(Vec::len).collect(),
             reason: state.stopped.as_ref().map(|(_, reason)| reason.clone()),
+            first_broken: state.broken().first().copied(),
+            force_left: (state.force.peak > 0.0).then(|| state.force.now.abs() / state.force.peak),
             warnings: course_warnings::of(journal.problem, state),
         };
         let solved = Solved {

@@ -20,8 +20,8 @@ pub struct Step {
     /// Name of the phase; empty where there is only one.
     pub phase: String,
     pub step: usize,
-    /// The run ends at this step, if not before.
-    pub most_steps: usize,
+    /// The run ends at this step, if not before; `None`: it ends by itself.
+    pub most_steps: Option<usize>,
     pub load_factor: f64,
     pub bonds_broken: usize,
     pub bonds_broken_total: usize,
@@ -35,17 +35,25 @@ impl fmt::Display for Step {
             write!(f, "{}, ", self.phase)?;
         }
         let passes = if self.passes == 1 { "pass" } else { "passes" };
-        let left = (self.most_steps - self.step) as f64 / self.steps_per_second;
+        write!(f, "step {}", self.step)?;
+        if let Some(most) = self.most_steps {
+            write!(f, " of at most {most}")?;
+        }
         write!(
             f,
-            "step {} of at most {}, λ = {:.4}, {} bonds broken ({} in all), {} {passes}, {:.1} steps/s, at most {left:.0} s left",
-            self.step,
-            self.most_steps,
+            ", λ = {:.4}, {} bonds broken ({} in all), {} {passes}, {:.1} steps/s",
             self.load_factor,
             self.bonds_broken,
             self.bonds_broken_total,
             self.passes,
             self.steps_per_second
-        )
+        )?;
+        match self.most_steps {
+            Some(most) => {
+                let left = (most - self.step) as f64 / self.steps_per_second;
+                write!(f, ", at most {left:.0} s left")
+            }
+            None => Ok(()),
+        }
     }
 }

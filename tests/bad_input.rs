@@ -421,6 +421,40 @@ fn programmes() {
         &["plate.yaml:", "not positive"],
     );
     refused(old, "increment: 0", &["plate.yaml:", "not positive"]);
+    let probe = format!(
+        "{old}probes: {{ cmod: {{ between: [[25 mm, 24 mm], [25 mm, 26 mm]], component: y }} }}\n"
+    );
+    refused(
+        &probe,
+        "by: cmot",
+        &["plate.yaml:", "no probe `cmot`", "mean `cmod`?"],
+    );
+    refused(
+        &probe,
+        "by: cmod",
+        &["`by` needs an increment", "a length such as 1 µm"],
+    );
+    refused(
+        &probe,
+        "by: cmod, increment: 1 µm, to: 3",
+        &["`to` is a load factor", "write `steps:`"],
+    );
+}
+
+#[test]
+fn event_driven_runs_have_no_steps_for_a_probe_to_control() {
+    let place = Workplace::with_plate();
+    place.edit(
+        "plate.yaml",
+        "loading: { control: one-pass,",
+        "probes: { cmod: { between: [[25 mm, 24 mm], [25 mm, 26 mm]], component: y } }\n\
+         loading: { control: event-driven, by: cmod, increment: 1 µm,",
+    );
+    let message = [
+        "has no load steps that a probe could control",
+        "take `control: equilibrium`",
+    ];
+    place.assert_refused(&["run", "plate.yaml"], 2, &message);
 }
 
 #[test]

@@ -10,6 +10,7 @@ use peristitch::cracks::Cracks;
 use peristitch::fem::edge::EdgeLoad;
 use peristitch::fracture::bond_laws::BondLaws;
 use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Resolution, Until};
+use peristitch::fracture::functional::Functional;
 use peristitch::fracture::laws::brittle::Brittle;
 use peristitch::fracture::laws::{Strength, StretchLimits};
 use peristitch::fracture::programme::{LoadPhase, Programme};
@@ -363,4 +364,41 @@ fn a_loaded_part_on_a_hinge_ends_the_run() {
     // Resumed, it ends the same way.
     let ending = control::run(&problem, &mut state, observe);
     assert_eq!(ending.expect("no error"), Ending::Collapsed);
+}
+
+/// Increments of the opening of the crack's mouth in place of λ: the opening is what was asked for after every
+/// step, whatever has broken, and λ goes back when the crack grows, which increments of λ never do.
+#[test]
+fn a_probe_controls_the_load() {
+    const OPENING: f64 = 2e-8;
+    let (model, laws) = plate();
+    let [below, above] = [-1.0, 1.0].map(|side| nearest(&model.positions, [0.0, 0.05 + side * DX]));
+    let weights = vec![(2 * below + 1, -1.0), (2 * above + 1, 1.0)];
+    let boundary = grips(&model, [0.0, 1e-7]);
+    let by_load = Programme::proportional(boundary.clone());
+    let (_, events) = run(&model, &laws, &by_load, EVENTS, 1);
+    let first_break = events[0].state.load.factor;
+
+    let mut phase = phase("", boundary, None);
+    phase.increment = OPENING;
+    let by_probe = Programme::new(vec![phase])
+        .with_probes([Functional::of_displacement(weights)])
+        .controlled_by(Some(0));
+    let control = Control::Equilibrium { most_passes: 1000 };
+    let (_, steps) = run(&model, &laws, &by_probe, control, 60);
+    let opening = |state: &State| state.displacement[above][1] - state.displacement[below][1];
+    for (step, Step { state, .. }) in steps.iter().enumerate() {
+        let expected = OPENING * (step + 1) as f64;
+        // Updates leave 1e-12 of the displacement, of which the opening is a tenth and more.
+        let error = (opening(state) / expected - 1.0).abs();
+        assert!(error < 1e-9, "step {}: {error:e}", step + 1);
+    }
+    let place = steps.iter().position(|step| step.record.broken > 0);
+    let place = place.expect("a break");
+    let elastic = steps[0].state.load.factor;
+    assert!(elastic * (place as f64) < first_break);
+    assert!(elastic * (place as f64 + 1.0) >= first_break * (1.0 - 1e-9));
+    let goes_back = |pair: &&[Step]| pair[1].state.load.factor < pair[0].state.load.factor;
+    assert!(steps.windows(2).filter(goes_back).count() >= 3);
+    assert_balanced(&steps);
 }

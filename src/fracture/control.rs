@@ -2,7 +2,6 @@
 
 use super::event::{Event, Load};
 use super::functional::Values;
-use super::programme::LoadPhase;
 use super::response::Response;
 use super::state::State;
 use super::unbreakable::UnbreakableNodes;
@@ -50,7 +49,7 @@ pub fn run<E: From<StaticsError>>(
         }
         Err(error) => return Ok(state.stop(&error)),
     };
-    while let Some(load) = next_load(problem, state, &response) {
+    while let Some(mut load) = next_load(problem, state, &response) {
         state.step += 1;
         let mut record = Record {
             first_pass: response.values().clone(),
@@ -71,6 +70,7 @@ pub fn run<E: From<StaticsError>>(
                 state.stop(&error);
                 break changed;
             }
+            load = load_of_step(problem, state, state.step, &response);
         };
         observe(state, record, &response)?;
         let is_new_phase = state.begin_phase_if_due(problem.model, problem.programme);
@@ -115,8 +115,6 @@ fn ending(problem: &Problem, state: &State, unbreakable: &UnbreakableNodes) -> O
 
 /// The load of the next step, or of the next event; `None` where no load breaks a bond.
 fn next_load(problem: &Problem, state: &State, response: &Response) -> Option<Load> {
-    let LoadPhase { increment, end, .. } = problem.programme.phases[state.phase];
-    let end = end.unwrap_or(f64::INFINITY);
     match problem.control {
         // A number of steps is a number of lines: those that can break nothing are among them.
         Control::OnePass | Control::Equilibrium { .. }
@@ -125,15 +123,21 @@ fn next_load(problem: &Problem, state: &State, response: &Response) -> Option<Lo
             None
         }
         Control::OnePass | Control::Equilibrium { .. } => {
-            let next = (state.step - state.phase_start) as f64 + 1.0;
-            Some(Load::full(f64::min(next * increment, end)))
+            Some(load_of_step(problem, state, state.step + 1, response))
         }
         Control::EventDriven => match response.next_event(problem, state) {
             Event::Break(load) => Some(load),
-            Event::PhaseEnd => Some(Load::full(end)),
+            Event::PhaseEnd => problem.programme.phases[state.phase].end.map(Load::full),
             Event::None => None,
         },
     }
+}
+
+/// The load of a load step. Passes of one step differ where a probe controls it.
+fn load_of_step(problem: &Problem, state: &State, step: usize, response: &Response) -> Load {
+    let step = step - state.phase_start;
+    let values = response.values();
+    (problem.programme).load_of_step(state.phase, step, values)
 }
 
 /// Changes the bonds that the load brings to a limit; returns how many have changed, and how many of them

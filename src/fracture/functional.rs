@@ -145,6 +145,11 @@ impl Values {
             .collect()
     }
 
+    /// The displacement that a probe reads per unit of λ [m]; `count`: number of the probes.
+    pub fn per_load_factor(&self, count: usize, probe: usize) -> f64 {
+        self.0[self.0.len() - count + probe][1]
+    }
+
     /// The displacement that each of the probes reads [m]; `count`: their number.
     pub fn probes(&self, count: usize, load: Load) -> Vec<f64> {
         let probes = &self.0[self.0.len() - count..];

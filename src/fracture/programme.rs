@@ -9,7 +9,7 @@
 //! ```
 
 use super::event::Load;
-use super::functional::{self, Functional};
+use super::functional::{self, Functional, Values};
 use crate::boundary::Boundary;
 use std::cmp::Ordering;
 
@@ -19,7 +19,8 @@ pub struct LoadPhase {
     pub name: String,
     /// R_p: supports, and what is applied per unit of the load factor.
     pub boundary: Boundary,
-    /// Δλ of a load step [-]; no matter where the control finds the load by itself.
+    /// Δλ of a load step [-], or the increment of the probe that controls it [m]; no matter where the control
+    /// finds the load by itself.
     pub increment: f64,
     /// Λ_p, positive; `None`: the phase goes on until the run ends. Only the last one may.
     pub end: Option<f64>,
@@ -34,6 +35,9 @@ pub struct Programme {
     pub functionals: Vec<Functional>,
     /// Number of the last of these that are probes.
     pub probes: usize,
+    /// Number of the probe whose displacement grows by the increment in each load step, in place of λ; then there
+    /// is one phase, without an end.
+    pub control_probe: Option<usize>,
 }
 
 impl Programme {
@@ -42,8 +46,28 @@ impl Programme {
         Programme {
             functionals: functional::of_phases(&boundaries),
             probes: 0,
+            control_probe: None,
             phases,
         }
+    }
+
+    /// The same programme with load steps in increments of what a probe reads.
+    pub fn controlled_by(self, probe: Option<usize>) -> Programme {
+        Programme {
+            control_probe: probe,
+            ..self
+        }
+    }
+
+    /// The load of a step of the phase: its increments of λ, or the λ > 0 at which the probe that controls it has
+    /// moved by as many increments, either way. After breaks that λ may be smaller.
+    pub fn load_of_step(&self, phase: usize, step: usize, values: &Values) -> Load {
+        let LoadPhase { increment, end, .. } = self.phases[phase];
+        let grown = step as f64 * increment;
+        Load::full(match self.control_probe {
+            Some(probe) => grown / values.per_load_factor(self.probes, probe).abs(),
+            None => grown.min(end.unwrap_or(f64::INFINITY)),
+        })
     }
 
     /// The same programme with displacements that are read at every step.

@@ -72,6 +72,8 @@ pub struct Loading {
     pub until: Until,
     /// At least one.
     pub phases: Vec<PhasePlan>,
+    /// Number of the probe that controls the load steps.
+    pub by: Option<usize>,
 }
 
 /// One phase of the programme.
@@ -79,7 +81,7 @@ pub struct Loading {
 pub struct PhasePlan {
     /// Empty for the only one.
     pub name: String,
-    /// Δλ of a load step [-].
+    /// Δλ of a load step [-], or the increment of the probe that controls it [m].
     pub increment: f64,
     /// λ at its end [-].
     pub end: Option<f64>,

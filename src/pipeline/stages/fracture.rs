@@ -9,11 +9,13 @@ use super::course_warnings;
 use super::run::{Observer, Step};
 use super::validate::{laws, programme};
 use crate::fracture::control::{self, Problem, Resolution, Until};
+use crate::fracture::response::Response;
 use crate::fracture::state::State;
 use crate::model::Model;
 use crate::phases::measure;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::{Loading, Plan};
+use crate::pipeline::read::source::InputError;
 use crate::pipeline::record::checkpoint::RecordHash;
 use crate::pipeline::record::format::other_format;
 use crate::pipeline::record::history::HistoryLine;
@@ -97,6 +99,9 @@ pub(crate) fn run(
         let mut step_start = start;
         trace.set_step(Some(first + 1));
         let ending = control::run(&problem, &mut state, |state, record, response| {
+            if state.step == 1 {
+                check_control_probe(plan, loading, state, response)?;
+            }
             measure(HAND_OVER, || recorder.step(state, &record, response))?;
             if course_warnings::is_due(state, record.changed) {
                 course_warnings::of(&problem, state)
@@ -122,6 +127,32 @@ pub(crate) fn run(
         }
         recorder.finish(&state, ending)
     })
+}
+
+/// A probe that moves by less than this share of the largest displacement reads rounding.
+const STILL: f64 = 1e-9;
+
+/// Checks that the load moves the probe that controls it.
+fn check_control_probe(
+    plan: &Plan,
+    loading: &Loading,
+    state: &State,
+    response: &Response,
+) -> Result<(), InputError> {
+    let Some(probe) = loading.by else {
+        return Ok(());
+    };
+    let moved = response.values().probes(plan.probes.len(), state.load)[probe];
+    let largest = (state.displacement.iter().flatten()).fold(0.0, |u, v| f64::max(u, v.abs()));
+    if moved.abs() > STILL * largest {
+        return Ok(());
+    }
+    let message = format!(
+        "the load does not move the probe `{}`",
+        plan.probes[probe].name
+    );
+    let help = "take another `component`, or points on both sides of the crack".to_owned();
+    Err(plan.source.error("loading/by", message, Some(help)))
 }
 
 /// Position of the run, for the observer.

@@ -126,6 +126,7 @@ fn first_readers(spec: &Spec) -> Vec<(Stage, &'static str, Value)> {
             until,
             most_passes,
             increment,
+            by,
             to,
             phases,
             reference,
@@ -136,6 +137,7 @@ fn first_readers(spec: &Spec) -> Vec<(Stage, &'static str, Value)> {
             (Solve, "loading.until", json!(until)),
             (Solve, "loading.most_passes", json!(most_passes)),
             (Solve, "loading.increment", json!(increment)),
+            (Solve, "loading.by", json!(by)),
             (Solve, "loading.to", json!(to)),
             (Solve, "loading.phases", json!(phases)),
             (Output, "loading.reference", json!(reference)),
@@ -246,7 +248,7 @@ boundary:
   - { where: { x: min, y: 3 mm, box: [[0, 1 mm], [2 mm, 3 mm]], near: [4 mm, 5 mm], between: [[0, 6 mm], [7 mm, 0]],
       tolerance: 8 mm } }
 gravity: { x: 1 m/s^2, y: -9.81 m/s^2, phase: up }
-loading: { control: equilibrium, steps: 9, until: steps, most_passes: 8, increment: 0.1, to: 7,
+loading: { control: equilibrium, steps: 9, until: steps, most_passes: 8, increment: 0.1, to: 7, by: cmod,
            phases: [{ name: up, increment: 0.2, to: 6 }], reference: { first_break: 5, separated: 4 } }
 probes: { tip: { at: [1 m, 2 m], component: y, reference: 3 mm }, cmod: { between: [[0, 1 m], [0, 2 m]], component: y } }
 output: { fields: [stress], every: 2, bonds: true, pictures: [mesh], pictures_at: [3], formats: [svg],

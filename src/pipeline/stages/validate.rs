@@ -60,7 +60,8 @@ pub fn programme(plan: &Plan, model: &Model) -> Result<Programme, InputError> {
         .probes
         .iter()
         .map(|probe| probes::functional(model, probe));
-    Ok(Programme::new(phases?).with_probes(probes))
+    let programme = Programme::new(phases?).with_probes(probes);
+    Ok(programme.controlled_by(loading.by))
 }
 
 /// The conditions of one phase; what the other phases move is held.

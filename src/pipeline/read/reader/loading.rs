@@ -38,6 +38,7 @@ impl Reader<'_> {
             return Err(self.source.error("loading/until", message, Some(help)));
         }
         Ok(Some(Loading {
+            by: self.control_probe(written)?,
             phases: self.phases(written)?,
             control: match written.control {
                 spec::Control::OnePass => Control::OnePass,
@@ -53,15 +54,61 @@ impl Reader<'_> {
         }))
     }
 
+    /// The number of the probe whose displacement the load steps prescribe.
+    fn control_probe(&self, loading: &spec::Loading) -> Result<Option<usize>, InputError> {
+        let Some(name) = &loading.by else {
+            return Ok(None);
+        };
+        let mut names = self.spec.probes.keys();
+        let Some(probe) = names.position(|probe| probe == name) else {
+            let message = format!("there is no probe `{name}`");
+            let help = choices(name, self.spec.probes.keys().map(String::as_str));
+            return Err(self.source.error("loading/by", message, Some(help)));
+        };
+        let (message, help) = if loading.control == spec::Control::EventDriven {
+            (
+                "`event-driven` has no load steps that a probe could control",
+                "take `control: equilibrium`; or leave `by` out: event-driven runs follow the opening both ways \
+                 by themselves, and `history.csv` has a column for the probe",
+            )
+        } else if !loading.phases.is_empty() {
+            (
+                "a probe controls one phase only",
+                "leave `phases` out, or `by`",
+            )
+        } else if loading.to.is_some() {
+            (
+                "`to` is a load factor, and the load follows the probe here",
+                "write `steps:` in place of `to:`",
+            )
+        } else if loading.increment.is_none() {
+            (
+                "`by` needs an increment of the probe's displacement",
+                "add `increment:`, a length such as 1 µm",
+            )
+        } else {
+            return Ok(Some(probe));
+        };
+        Err(self
+            .source
+            .error("loading/by", message, Some(help.to_owned())))
+    }
+
     fn phases(&self, loading: &spec::Loading) -> Result<Vec<PhasePlan>, InputError> {
         let number = |key: &str, written: &Option<spec::Scalar>| {
             let read = |written| self.positive(key, written, Dimension::NUMBER);
             written.as_ref().map(read).transpose()
         };
         if loading.phases.is_empty() {
+            let increment = match (&loading.increment, &loading.by) {
+                (Some(opening), Some(_)) => {
+                    Some(self.positive("loading/increment", opening, Dimension::LENGTH)?)
+                }
+                (increment, _) => number("loading/increment", increment)?,
+            };
             return Ok(vec![PhasePlan {
                 name: String::new(),
-                increment: number("loading/increment", &loading.increment)?.unwrap_or(1.0),
+                increment: increment.unwrap_or(1.0),
                 end: number("loading/to", &loading.to)?,
             }]);
         }

@@ -20,9 +20,13 @@ pub struct Loading {
     /// The largest number of solves at one load under `equilibrium`.
     #[serde(default = "most_passes")]
     pub most_passes: usize,
-    /// Δλ of a load step. Default: `1`.
+    /// Δλ of a load step; with `by`, the increment of the probe, a length. Default: `1`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub increment: Option<Scalar>,
+    /// Name of a probe: each load step moves it by `increment`, and λ follows, up or down. Not with
+    /// `event-driven`, which has no load steps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by: Option<String>,
     /// λ at which the run ends.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<Scalar>,

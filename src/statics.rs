@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 
 pub use crate::linear_solver::Backend;
 pub use error::StaticsError;
-pub use estimate::Estimate;
+pub use estimate::{Breaks, Estimate};
 pub use factorised::Factorised;
 pub use solver::Solver;
 

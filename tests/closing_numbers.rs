@@ -5,7 +5,7 @@ mod workplace;
 
 use peristitch::pipeline::record::frames::Frame;
 use serde_json::Value;
-use workplace::Workplace;
+use workplace::{Workplace, repository};
 
 /// A bar of 40 × 20 mm, half elements and half points, as `bar.yaml`.
 fn bar(materials: &str, more: &str) -> Workplace {
@@ -357,4 +357,65 @@ fn a_run_without_steps_ends_where_nothing_can_break() {
         "{}",
         refused.err
     );
+}
+
+/// What `check` tells about breaking. 20 rows of points at 1 mm see 3 mm far: over a cut between two columns go
+/// 342 bonds, dx (20 − |dy|) for each vector (dx, dy) of at most 3 spacings, and the initial crack severs
+/// dx |dy| of each, 18 in all.
+#[test]
+fn check_counts_the_bonds_on_a_crack() {
+    let place = Workplace::with_plate();
+    let told = place.call(&["check", "plate.yaml"]).succeeded().out;
+    assert!(
+        told.contains("more for a crack straight across `band`: 324 bonds on 20.000 mm"),
+        "{told}"
+    );
+    // The set-up is a phase of the run, and so are the laws of the bonds.
+    place.call(&["run", "plate.yaml"]).succeeded();
+    let summary: Value =
+        serde_json::from_slice(&place.read("results/plate/summary.json")).expect("JSON");
+    let phases = summary["phases"].as_array().expect("a list");
+    let seconds = |name: &str| {
+        let phase = phases.iter().find(|phase| phase["phase"] == name);
+        phase
+            .and_then(|phase| phase["seconds"].as_f64())
+            .expect("a time")
+    };
+    assert!(seconds("discretisation") > 0.0 && seconds("bond laws") > 0.0);
+    let all = phases
+        .iter()
+        .map(|phase| phase["seconds"].as_f64().expect("a time"));
+    let whole = summary["seconds"].as_f64().expect("a time");
+    assert!((all.sum::<f64>() / whole - 1.0).abs() < 1e-6);
+}
+
+/// `check` tells the memory of event-driven runs, of few events and of many, to a quarter.
+#[test]
+fn check_tells_the_memory_of_event_driven_runs() {
+    for name in ["compact_tension", "three_point_bending"] {
+        let place = Workplace::new();
+        let pipeline = repository().join(format!("pipelines/{name}.yaml"));
+        let pipeline = pipeline.to_str().expect("UTF-8");
+        let results = place.path("results");
+        let results = results.to_str().expect("UTF-8");
+        let call = |command: &str| {
+            let arguments = [command, pipeline, "--results", results];
+            place.call(&arguments).succeeded().out
+        };
+        let told = call("check");
+        let megabytes = told
+            .split("to expect")
+            .nth(1)
+            .and_then(|rest| rest.split_whitespace().next())
+            .and_then(|number| number.parse::<f64>().ok());
+        let announced = 1e6 * megabytes.expect("a number");
+        call("run");
+        let summary = place.read(&format!("results/{name}/summary.json"));
+        let summary: Value = serde_json::from_slice(&summary).expect("JSON");
+        let taken = summary["peak_memory_bytes"].as_f64().expect("bytes");
+        assert!(
+            (announced / taken - 1.0).abs() < 0.25,
+            "{name}: {announced} {taken}"
+        );
+    }
 }

@@ -2,13 +2,16 @@
 
 use super::conditions::conditions;
 use super::progress::Warnings;
+use crate::fracture::crack_length::Cut;
 use crate::phases::machine_memory;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::Plan;
+use crate::pipeline::show::report::quantity;
+use crate::pipeline::show::results::lattice_name;
 use crate::pipeline::stages::parameters::parameter_lines;
-use crate::pipeline::stages::run::{self, Options};
+use crate::pipeline::stages::run::{self, Checked, Options};
 use crate::pipeline::stages::standing::{Standing, standings};
-use crate::statics::{Backend, Estimate};
+use crate::statics::{Backend, Breaks, Estimate};
 use std::time::Duration;
 
 /// How each stage stands, and why.
@@ -30,8 +33,13 @@ pub(super) fn list(plan: &Plan, reasons_too: bool) -> Result<(), RunError> {
 /// Whether the pipeline is sound, its sizes, and what a run will take.
 pub(super) fn check(plan: &Plan, backend: Option<Backend>) -> Result<(), RunError> {
     let mut warnings = Warnings::new(&plan.name);
-    let (model, boundary, extract) = run::check(plan, &Options::default(), &mut warnings)?;
-    let estimate = Estimate::new(&model, &boundary, backend, plan.loading.is_some())?;
+    let Checked {
+        model,
+        boundary,
+        extract,
+        set_up,
+    } = run::check(plan, &Options::default(), &mut warnings)?;
+    let estimate = Estimate::new(&model, &boundary, backend, plan.breaks())?;
     estimate.fits(machine_memory())?;
     println!("{}: sound", plan.name);
     println!(
@@ -78,8 +86,20 @@ pub(super) fn check(plan: &Plan, backend: Option<Backend>) -> Result<(), RunErro
     println!(
         "  to expect         {}, {}",
         megabytes(estimate.bytes),
-        about(estimate.time)
+        about(set_up + estimate.time)
     );
+    if plan.breaks() != Breaks::Never {
+        for (index, points) in model.points.iter().enumerate() {
+            let title = if index == 0 { "breaking" } else { "" };
+            let Cut { bonds, length } = Cut::across(&model, points);
+            println!(
+                "  {title:<18}{} more for a crack straight across `{}`: {bonds} bonds on {}",
+                about(estimate.time_per_bond * bonds as u32),
+                lattice_name(&model, points),
+                quantity(1e3 * length, "mm")
+            );
+        }
+    }
     println!("  next: peristitch run {}", plan.source.path.display());
     Ok(())
 }

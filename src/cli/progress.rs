@@ -55,6 +55,13 @@ impl Observer for Progress {
         ));
     }
 
+    fn discretises(&mut self) {
+        self.spinner.reset_elapsed();
+        self.spinner
+            .set_message(format!("{}: discretisation", self.name));
+        self.spinner.enable_steady_tick(Duration::from_millis(100));
+    }
+
     fn step(&mut self, step: &Step) {
         self.spinner.set_message(format!("{}: {step}", self.name));
     }
@@ -83,6 +90,7 @@ impl Warnings {
 
 impl Observer for Warnings {
     fn starts(&mut self, _: Stage) {}
+    fn discretises(&mut self) {}
     fn ends(&mut self, _: Stage, _: &str, _: Duration) {}
     fn step(&mut self, _: &Step) {}
     fn is_fresh(&mut self, _: Stage) {}
@@ -143,6 +151,8 @@ impl Observer for JsonLines {
     fn starts(&mut self, stage: Stage) {
         self.line("starts", json!({ "stage": stage.name() }));
     }
+
+    fn discretises(&mut self) {}
 
     fn ends(&mut self, stage: Stage, what: &str, time: Duration) {
         let seconds = time.as_secs_f64();

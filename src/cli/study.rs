@@ -218,7 +218,7 @@ pub(super) fn plan(arguments: &PlanArguments) -> Result<(), RunError> {
     if let Some(file) = &arguments.snakemake {
         let megabytes = study.runs.iter().map(|run| {
             let (model, boundary, _) = run::discretised(&run.plan, &Options::default())?;
-            let estimate = Estimate::new(&model, &boundary, None, run.plan.loading.is_some())?;
+            let estimate = Estimate::new(&model, &boundary, None, run.plan.breaks())?;
             Ok(estimate.bytes.div_ceil(1_000_000))
         });
         let megabytes: Vec<u64> = megabytes.collect::<Result<_, RunError>>()?;

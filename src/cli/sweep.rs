@@ -192,12 +192,7 @@ fn wait(child: &mut Child, interrupted: &AtomicBool) -> io::Result<Option<bool>>
 
 fn estimate(run: &Run) -> Result<Estimate, RunError> {
     let (model, boundary, _) = run::discretised(&run.plan, &Options::default())?;
-    Ok(Estimate::new(
-        &model,
-        &boundary,
-        None,
-        run.plan.loading.is_some(),
-    )?)
+    Ok(Estimate::new(&model, &boundary, None, run.plan.breaks())?)
 }
 
 fn file_error(action: &'static str, path: &Path, source: io::Error) -> RunError {

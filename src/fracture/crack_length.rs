@@ -1,7 +1,7 @@
-//! The length of crack that the breaking of an interaction stands for.
+//! The length of crack that the breaking of an interaction stands for, and the bonds on a straight crack.
 
 use super::bond_laws::BondLaws;
-use crate::model::Model;
+use crate::model::{Model, PointRegion};
 use rayon::prelude::*;
 
 /// ½ k (ξ s_t)² / (G h_t) of every interaction, with G = c0 s_t² M3 [m]; zero where it never breaks in
@@ -27,4 +27,40 @@ pub fn crack_lengths(model: &Model, laws: &BondLaws) -> Vec<f64> {
         .into_par_iter()
         .map(length)
         .collect()
+}
+
+/// A straight cut through the middle of a lattice, across its longer side.
+pub struct Cut {
+    /// Bonds that cross it, initial cracks left out.
+    pub bonds: usize,
+    /// The shorter side [m].
+    pub length: f64,
+}
+
+impl Cut {
+    pub fn across(model: &Model, points: &PointRegion) -> Cut {
+        let positions = &model.positions[points.nodes.clone()];
+        let [low, high] = [f64::min, f64::max].map(|pick: fn(f64, f64) -> f64| {
+            let start = positions[0];
+            positions
+                .iter()
+                .fold(start, |most, x| [0, 1].map(|k| pick(most[k], x[k])))
+        });
+        let sides = [0, 1].map(|axis| high[axis] - low[axis] + points.micromodulus.spacing);
+        let along = usize::from(sides[1] > sides[0]);
+        let middle = 0.5 * (low[along] + high[along]);
+        let crosses = |&bond: &usize| {
+            let nodes = model.interactions.nodes(bond);
+            let [a, b] = model.interactions.segment(bond, &model.positions);
+            model.integrity[bond] > 0.0
+                && nodes
+                    .iter()
+                    .any(|&node| points.nodes.contains(&(node as usize)))
+                && (a[along] < middle) != (b[along] < middle)
+        };
+        Cut {
+            bonds: model.interactions.bonds().filter(crosses).count(),
+            length: sides[1 - along],
+        }
+    }
 }

@@ -59,6 +59,20 @@ pub const BREAKABLE_BYTES: f64 = 20.0;
 /// Memory of a fracture run of any size [bytes]; 41 000 and 10⁶ points.
 pub const FRACTURE_BYTES: f64 = 15e6;
 
+/// Memory of looking ahead in event-driven runs [bytes], of up to [`FEW_EVENTS`] and of more; these also factorise
+/// again, and hold [`MANY_EVENTS_SHARE`] more entries over those of L. `pipelines/`, 4 000 to 19 000 dofs: within a
+/// quarter of what they take.
+pub const FEW_EVENTS: usize = 500;
+pub const FEW_EVENTS_BYTES: f64 = 30e6;
+pub const MANY_EVENTS_BYTES: f64 = 118e6;
+pub const MANY_EVENTS_SHARE: f64 = 1.0;
+
+/// Seconds that the breaking of a bond takes, event by event, and of them those per entry of L: `pipelines/`, within
+/// a factor of three. In load steps, where some bonds break in each pass, it takes a fifth.
+pub const BOND_SECONDS: f64 = 2e-4;
+pub const BOND_ENTRY_SECONDS: f64 = 1.2e-10;
+pub const STEPPED_SHARE: f64 = 0.2;
+
 /// Entries that a fracture run holds besides those of L, over these: to factorise again only above what broke, and
 /// to update the response. None where little breaks, 0.8 to 1.4 where a body is torn apart (31 000 to 118 000
 /// dofs); between the two.

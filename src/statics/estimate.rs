@@ -5,12 +5,22 @@ use super::structure::Structure;
 use crate::boundary::Boundary;
 use crate::linear_solver::Backend;
 use crate::linear_solver::rates::{
-    BREAKABLE_BYTES, DIRECT_VECTORS, ENTRY_BYTES, ENTRY_RATE, FACTOR_RATE, FRACTURE_BYTES,
-    ITERATION_RATE, ITERATIONS, ITERATIVE_VECTORS, KEPT_SHARE, WAITING_SHARE,
+    BOND_ENTRY_SECONDS, BOND_SECONDS, BREAKABLE_BYTES, DIRECT_VECTORS, ENTRY_BYTES, ENTRY_RATE,
+    FACTOR_RATE, FEW_EVENTS, FEW_EVENTS_BYTES, FRACTURE_BYTES, ITERATION_RATE, ITERATIONS,
+    ITERATIVE_VECTORS, KEPT_SHARE, MANY_EVENTS_BYTES, MANY_EVENTS_SHARE, STEPPED_SHARE,
+    WAITING_SHARE,
 };
 use crate::model::Model;
 use crate::phases::{held_memory, peak_memory};
 use std::time::Duration;
+
+/// Whether bonds break in a run, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Breaks {
+    Never,
+    InSteps,
+    EventByEvent { most_events: usize },
+}
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
@@ -22,11 +32,14 @@ pub struct Estimate {
     pub flops: f64,
     /// Peak memory [bytes].
     pub bytes: u64,
+    /// Time of one solve.
     pub time: Duration,
+    /// Time that the breaking of a bond takes.
+    pub time_per_bond: Duration,
 }
 
 impl Estimate {
-    /// `backend`: what K is solved by, if its size is not to decide; `breaks`: whether bonds may break.
+    /// `backend`: what K is solved by, if its size is not to decide.
     ///
     /// # Errors
     /// [`SolverError::Ordering`](crate::linear_solver::SolverError::Ordering),
@@ -35,15 +48,20 @@ impl Estimate {
         model: &Model,
         boundary: &Boundary,
         backend: Option<Backend>,
-        breaks: bool,
+        breaks: Breaks,
     ) -> Result<Estimate, StaticsError> {
         let structure = Structure::new(model, backend)?;
-        let interactions = if breaks { model.interactions.len() } else { 0 };
-        Ok(Estimate::of(&structure, boundary, interactions))
+        let interactions = model.interactions.len();
+        Ok(Estimate::of(&structure, boundary, breaks, interactions))
     }
 
     /// `interactions`: how many may break.
-    pub(super) fn of(structure: &Structure, boundary: &Boundary, interactions: usize) -> Estimate {
+    pub(super) fn of(
+        structure: &Structure,
+        boundary: &Boundary,
+        breaks: Breaks,
+        interactions: usize,
+    ) -> Estimate {
         let backend = structure.solver.backend();
         let size = structure.solver.size();
         let dofs = boundary.load.len();
@@ -53,15 +71,27 @@ impl Estimate {
             Backend::Multifrontal | Backend::Faer => (2.0, DIRECT_VECTORS),
             Backend::TwoLevel => (1.0, ITERATIVE_VECTORS),
         };
+        let of_run = FRACTURE_BYTES + BREAKABLE_BYTES * interactions as f64;
+        let (share, fracture) = match breaks {
+            Breaks::Never => (0.0, 0.0),
+            Breaks::InSteps => (KEPT_SHARE, of_run),
+            Breaks::EventByEvent { most_events } if most_events <= FEW_EVENTS => {
+                (KEPT_SHARE, of_run + FEW_EVENTS_BYTES)
+            }
+            Breaks::EventByEvent { .. } => {
+                (KEPT_SHARE + MANY_EVENTS_SHARE, of_run + MANY_EVENTS_BYTES)
+            }
+        };
         let kept = match backend {
-            Backend::Multifrontal if interactions > 0 => KEPT_SHARE,
-            _ => 0.0,
+            Backend::Multifrontal => share,
+            Backend::Faer | Backend::TwoLevel => 0.0,
         };
         let factors =
             (1.0 + kept) * size.entries as f64 + WAITING_SHARE * size.waiting_entries as f64;
-        let fracture = match interactions {
-            0 => 0.0,
-            interactions => FRACTURE_BYTES + BREAKABLE_BYTES * interactions as f64,
+        let per_bond = BOND_SECONDS + BOND_ENTRY_SECONDS * size.entries as f64;
+        let per_bond = match breaks {
+            Breaks::EventByEvent { .. } => per_bond,
+            Breaks::Never | Breaks::InSteps => STEPPED_SHARE * per_bond,
         };
         let solving =
             ENTRY_BYTES * (copies * stiffness + factors + vectors * dofs as f64) + fracture;
@@ -81,6 +111,7 @@ impl Estimate {
             flops: size.flops,
             bytes: bytes.max(peak_memory().unwrap_or(0)),
             time: Duration::from_secs_f64(seconds),
+            time_per_bond: Duration::from_secs_f64(per_bond),
         }
     }
 
@@ -113,6 +144,7 @@ mod tests {
             flops: 0.0,
             bytes: 400_000_000_000,
             time: Duration::ZERO,
+            time_per_bond: Duration::ZERO,
         };
         for enough in [None, Some(400_000_000_000)] {
             assert!(estimate.fits(enough).is_ok());

@@ -3,7 +3,7 @@
 use super::error::{check, kind};
 use super::structure::Structure;
 use super::system::{Case, Solved, System, vectors};
-use super::{Backend, Estimate, Factorised, Solution, StaticsError, SystemSize};
+use super::{Backend, Breaks, Estimate, Factorised, Solution, StaticsError, SystemSize};
 use crate::boundary::Boundary;
 use crate::linear_solver::held::HeldDofs;
 use crate::linear_solver::{Factorisation, SolverError};
@@ -43,7 +43,7 @@ impl<'a> Solver<'a> {
             "`Model::with_node_axes` has been given the supports' axes"
         );
         let structure = Structure::new(model, backend)?;
-        Estimate::of(&structure, boundary, 0).fits(machine_memory())?;
+        Estimate::of(&structure, boundary, Breaks::Never, 0).fits(machine_memory())?;
         Ok(Solver {
             diagonal: structure.mean_diagonal(&model.interactions, boundary.load.len()),
             model,

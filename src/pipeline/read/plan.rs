@@ -15,6 +15,7 @@ use crate::gmsh::Value;
 use crate::material::Material;
 use crate::mesh::selection::Selection;
 use crate::model::{Method, ModelSettings};
+use crate::statics::Breaks;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -153,6 +154,17 @@ impl Plan {
     /// Whether every prescribed displacement and every load is zero.
     pub fn loads_nothing(&self) -> bool {
         self.conditions.iter().all(Condition::is_zero)
+    }
+
+    /// Whether bonds break in a run, and how.
+    pub fn breaks(&self) -> Breaks {
+        match &self.loading {
+            None => Breaks::Never,
+            Some(loading) if loading.control == Control::EventDriven => Breaks::EventByEvent {
+                most_events: loading.until.steps,
+            },
+            Some(_) => Breaks::InSteps,
+        }
     }
 
     /// The physical groups of the mesh that the pipeline names; some may come more than once.

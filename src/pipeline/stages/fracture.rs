@@ -59,7 +59,7 @@ pub(crate) fn run(
     let problem = Problem {
         model,
         programme: &programme(plan, model)?,
-        laws: &laws(plan, model),
+        laws: &measure("bond laws", || laws(plan, model)),
         control: loading.control,
         until: loading.until,
         resolution: task.resolution,

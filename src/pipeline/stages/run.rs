@@ -32,6 +32,7 @@ use mesh::Meshed;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fs::File;
+use std::time::{Duration, Instant};
 use warning_log::WarningLog;
 
 pub use observer::{Observer, Step};
@@ -125,15 +126,31 @@ pub fn check(
     plan: &Plan,
     options: &Options,
     observer: &mut dyn Observer,
-) -> Result<(Model, Boundary, Extract), RunError> {
+) -> Result<Checked, RunError> {
     let mut run = Run::new(plan, options, observer);
     let mesh = run.mesh()?;
+    let start = Instant::now();
     let (model, boundary) = run.discretise(&mesh)?;
+    let set_up = start.elapsed();
     if let Err(error) = run.keep_mesh(&mesh) {
         let warning = format!("the mesh is not kept for the run: {error}");
         run.observer.warns(&warning);
     }
-    Ok((model, boundary, mesh.extract))
+    Ok(Checked {
+        model,
+        boundary,
+        extract: mesh.extract,
+        set_up,
+    })
+}
+
+/// A pipeline that is sound.
+pub struct Checked {
+    pub model: Model,
+    pub boundary: Boundary,
+    pub extract: Extract,
+    /// Time that its discretisation has taken, and takes in every run.
+    pub set_up: Duration,
 }
 
 /// The mesh that the mesh stage has kept, if it is fresh.
@@ -193,21 +210,23 @@ impl<'a> Run<'a> {
 
     fn discretise(&mut self, mesh: &Meshed) -> Result<(Model, Boundary), RunError> {
         self.warn_of_mesh(&mesh.extract);
+        self.observer.discretises();
         let (discretised, phases) = collect(&self.options.trace, || {
             measure("discretisation", || {
-                Ok::<_, RunError>(discretise(self.plan, to_mesh(self.plan, &mesh.extract)?)?)
+                let mesh = to_mesh(self.plan, &mesh.extract)?;
+                let (model, boundary) = discretise(self.plan, mesh)?;
+                let mut sentences = unjoined(self.plan, &model);
+                sentences.extend(notes(self.plan, &model, &boundary));
+                Ok::<_, RunError>((model, boundary, sentences))
             })
         });
-        let (model, boundary) = discretised?;
+        let (model, boundary, sentences) = discretised?;
         self.costs.phases.append(phases.list);
         if self.plan.loads_nothing() {
             self.observer.warns(NOTHING_LOADS);
         }
-        for sentence in unjoined(self.plan, &model) {
+        for sentence in sentences {
             self.observer.warns(&sentence);
-        }
-        for note in notes(self.plan, &model, &boundary) {
-            self.observer.warns(&note);
         }
         Ok((model, boundary))
     }

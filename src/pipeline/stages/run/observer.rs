@@ -9,6 +9,8 @@ use std::time::Duration;
 pub trait Observer {
     fn starts(&mut self, stage: Stage);
     fn ends(&mut self, stage: Stage, what: &str, time: Duration);
+    /// The model is being made from the mesh, before the solve.
+    fn discretises(&mut self);
     fn step(&mut self, step: &Step);
     fn is_fresh(&mut self, stage: Stage);
     fn warns(&mut self, text: &str);

@@ -42,6 +42,10 @@ impl Observer for WarningLog<'_> {
         self.observer.ends(stage, what, time);
     }
 
+    fn discretises(&mut self) {
+        self.observer.discretises();
+    }
+
     fn step(&mut self, step: &Step) {
         self.observer.step(step);
     }

@@ -75,7 +75,8 @@ fn one_pass() {
         .filter(|phase| phase["phase"] == "solution")
         .collect();
     assert_eq!(solves.len(), 1, "a phase is listed once");
-    assert_eq!(solves[0]["count"], 92 - 45 + 1);
+    // And one for the frame of the peak.
+    assert_eq!(solves[0]["count"], 92 - 45 + 1 + 1);
 }
 
 #[test]

@@ -182,8 +182,9 @@ fn assert_plate(index: usize) {
     let step = |point: &str| fracture[point]["step"].as_u64().expect("a step");
     assert!(onset.contains(&step("first_break")), "{name}: {fracture}");
     assert!(separation.contains(&step("end")), "{name}: {fracture}");
-    // The start, the first break, the end and what is drawn have frames whatever `output.every` says.
-    let mut frames = BTreeSet::from([0, step("first_break"), step("end")]);
+    // The start, the first break, the peak, the end and what is drawn have frames whatever `output.every` says.
+    let mut frames = BTreeSet::from(["first_break", "peak", "end"].map(step));
+    frames.insert(0);
     frames.extend(drawn);
     assert_eq!(fracture["frames"], serde_json::json!(frames), "{name}");
     for step in drawn {

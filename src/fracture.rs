@@ -15,6 +15,7 @@ pub mod envelope;
 pub mod event;
 pub mod functional;
 pub mod laws;
+mod load_course;
 mod look_ahead;
 mod low_rank;
 mod policy;

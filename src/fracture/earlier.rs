@@ -1,7 +1,7 @@
 //! An earlier state of a run, found again from the changes of integrity up to it.
 
-use super::control::{Problem, Resolution};
 use super::event::Load;
+use super::problem::{Problem, Resolution};
 use super::response::Response;
 use super::state::State;
 use crate::statics::{Solver, StaticsError};

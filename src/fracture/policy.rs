@@ -8,7 +8,8 @@ pub const TIE: f64 = 1e-3;
 /// then.
 pub const SEPARATED: f64 = 0.02;
 
-/// A load above this share of its peak has recovered if it had fallen below this share of itself.
+/// A load that had fallen below this share of its peak has recovered above that, if its least was below this share
+/// of itself.
 pub const RECOVERED: f64 = 0.5;
 
 /// Cracks are stopped where this share of the last bonds that broke, so many, end at what cannot break.

@@ -3,9 +3,9 @@
 use super::bond_laws::BondLaws;
 use super::ending::Ending;
 use super::event::Load;
+use super::load_course::LoadCourse;
 use super::policy::SEPARATED;
 use super::programme::Programme;
-use super::unbreakable::LoadCourse;
 use crate::model::Model;
 use crate::statics::{StaticsError, SystemSize};
 use crate::support;

@@ -6,34 +6,9 @@
 //! crack that passes along a support while the load falls is not stopped.
 
 use super::laws::StretchLimits;
-use super::policy::{LAST_BREAKS, RECOVERED, STOPPED};
+use super::policy::{LAST_BREAKS, STOPPED};
 use super::problem::Problem;
 use super::state::State;
-use serde::{Deserialize, Serialize};
-
-/// Fall and recovery of the load in the first phase of a run: the force along the prescribed displacements, or λ
-/// where there are none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
-pub struct LoadCourse {
-    peak: f64,
-    /// The least since the peak.
-    low: f64,
-    has_recovered: bool,
-}
-
-impl LoadCourse {
-    pub(super) fn follow(&mut self, load: f64) {
-        self.has_recovered = load > RECOVERED * self.peak && self.low < RECOVERED * load;
-        if load > self.peak {
-            *self = LoadCourse {
-                peak: load,
-                low: load,
-                ..*self
-            };
-        }
-        self.low = self.low.min(load);
-    }
-}
 
 /// Nodes of finite elements, and those with an interaction that never breaks.
 pub(super) struct UnbreakableNodes(Vec<bool>);
@@ -55,7 +30,7 @@ impl UnbreakableNodes {
 
     /// Whether they have stopped the cracks.
     pub fn have_stopped(&self, problem: &Problem, state: &State) -> bool {
-        if state.phase > 0 || !state.course.has_recovered {
+        if state.phase > 0 || !state.course.has_recovered() {
             return false;
         }
         let ends_there = |&&interaction: &&u32| {
@@ -71,27 +46,5 @@ impl UnbreakableNodes {
             return false;
         };
         last.iter().filter(ends_there).count() as f64 >= STOPPED * LAST_BREAKS as f64
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_load_recovers_after_a_fall_and_not_by_a_tooth() {
-        let recovers_at = |loads: &[f64]| {
-            let mut course = LoadCourse::default();
-            loads.iter().position(|&load| {
-                course.follow(load);
-                course.has_recovered
-            })
-        };
-        assert_eq!(recovers_at(&[1.0, 2.0, 3.0, 4.0]), None);
-        // Teeth around half of the peak, and far below it.
-        assert_eq!(recovers_at(&[4.0, 1.9, 2.1, 1.9, 2.1, 3.0]), None);
-        assert_eq!(recovers_at(&[4.0, 0.3, 0.1, 0.9, 1.9]), None);
-        assert_eq!(recovers_at(&[4.0, 0.3, 1.9, 2.1]), Some(3));
-        assert_eq!(recovers_at(&[4.0, 0.3, 9.0]), Some(2));
     }
 }

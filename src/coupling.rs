@@ -9,6 +9,7 @@ use crate::geometry::Outline;
 use crate::interactions::Interactions;
 use crate::mesh::{Edge, Mesh};
 use crate::peridynamics::axes::Axes;
+use crate::peridynamics::cells::{self, Cell};
 use crate::peridynamics::kernel::Micromodulus;
 use crate::peridynamics::lattice::Lattice;
 use crate::peridynamics::surface::Surface;
@@ -100,4 +101,25 @@ pub trait Tie {
 
     /// Ties the `bonds` of a lattice to the finite elements.
     fn tie(&self, bonds: Interactions, parts: &Parts) -> Tied;
+
+    /// The cells of a lattice: the squares between four of its points.
+    ///
+    /// # Errors
+    /// The place of a square that makes no cell, along x and y [m].
+    fn cells(&self, parts: &Parts) -> Result<Vec<Cell>, [f64; 2]> {
+        let Parts {
+            lattice,
+            outline,
+            visibility,
+            first_node,
+            ..
+        } = *parts;
+        Ok(cells::cells(
+            lattice,
+            outline,
+            visibility,
+            first_node,
+            &|_| false,
+        ))
+    }
 }

@@ -17,11 +17,19 @@ pub enum PlaneState {
 }
 
 impl PlaneState {
-    /// The Poisson ratio that central forces allow (λ = μ): 1/3 in plane stress, 1/4 in plane strain.
+    /// The Poisson's ratio that central forces have (λ = μ): 1/3 in plane stress, 1/4 in plane strain.
     pub fn bond_based_poisson(self) -> f64 {
         match self {
             PlaneState::Stress => 1.0 / 3.0,
             PlaneState::Strain => 1.0 / 4.0,
+        }
+    }
+
+    /// C12 = C66 over Young's modulus for central forces [-].
+    pub fn bond_modulus(self) -> f64 {
+        match self {
+            PlaneState::Stress => 3.0 / 8.0,
+            PlaneState::Strain => 2.0 / 5.0,
         }
     }
 }
@@ -35,7 +43,7 @@ pub struct Material {
     pub poisson: f64,
 }
 
-/// Poisson's ratio of bonds may differ by this much from 1/3 or 1/4, so that 0.3333333 is accepted.
+/// Poisson's ratio may differ by this much from 1/3 or 1/4 and count as that, so that 0.3333333 needs no cells.
 const POISSON_TOLERANCE: f64 = 1e-6;
 
 /// An elastic constant that a material cannot have.
@@ -45,9 +53,31 @@ pub enum MaterialError {
     YoungNotPositive { young: f64 },
     #[error("Poisson's ratio {poisson} is not between -1 and 1/2")]
     PoissonOutOfRange { poisson: f64 },
-    /// Bonds are central forces, which leave no choice.
-    #[error("Poisson's ratio is {poisson}, and bonds can only have {needed}")]
-    PoissonOfBonds { poisson: f64, needed: f64 },
+}
+
+/// Elasticity of a lattice, in its two parts: axial bonds, λ = μ = p, and cells,
+///
+/// ```text
+/// W = ½ κ (ε_x + ε_y)² + ½ μ_D [(ε_x − ε_y)² + γ²]
+/// ```
+///
+/// p is the largest for which the rest is not negative, p = min(μ, (λ + μ)/2) with λ = C12: above the Poisson's
+/// ratio of bonds the rest is an area modulus κ = λ − μ, below it a deviator μ_D = (μ − λ)/2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LatticeElasticity {
+    /// Young's modulus that the bonds alone have, with their own Poisson's ratio [Pa].
+    pub bond_young: f64,
+    /// Area modulus κ of the cells [Pa].
+    pub area: f64,
+    /// Deviator μ_D of the cells [Pa].
+    pub deviator: f64,
+}
+
+impl LatticeElasticity {
+    /// Whether bonds alone are enough.
+    pub fn is_of_bonds(&self) -> bool {
+        self.area == 0.0 && self.deviator == 0.0
+    }
 }
 
 impl Material {
@@ -66,16 +96,30 @@ impl Material {
         Ok(())
     }
 
-    /// Whether a lattice of bonds can have this Poisson's ratio.
-    ///
-    /// # Errors
-    /// [`MaterialError::PoissonOfBonds`].
-    pub fn check_bond_based(&self, plane: PlaneState) -> Result<(), MaterialError> {
-        let (poisson, needed) = (self.poisson, plane.bond_based_poisson());
-        if (poisson - needed).abs() <= POISSON_TOLERANCE {
-            return Ok(());
+    /// What the bonds and the cells of a lattice carry.
+    pub fn on_lattice(&self, plane: PlaneState) -> LatticeElasticity {
+        if (self.poisson - plane.bond_based_poisson()).abs() <= POISSON_TOLERANCE {
+            return LatticeElasticity {
+                bond_young: self.young,
+                area: 0.0,
+                deviator: 0.0,
+            };
         }
-        Err(MaterialError::PoissonOfBonds { poisson, needed })
+        let d = self.elasticity(plane);
+        let (lambda, mu) = (d[(0, 1)], d[(2, 2)]);
+        LatticeElasticity {
+            bond_young: mu.min(0.5 * (lambda + mu)) / plane.bond_modulus(),
+            area: (lambda - mu).max(0.0),
+            deviator: 0.5 * (mu - lambda).max(0.0),
+        }
+    }
+
+    /// The share of a modulus that the cells of a lattice carry: of the shear modulus below the
+    /// Poisson's ratio of bonds, of the area modulus above it [-].
+    pub fn cell_share(&self, plane: PlaneState) -> f64 {
+        let LatticeElasticity { area, deviator, .. } = self.on_lattice(plane);
+        let d = self.elasticity(plane);
+        deviator / d[(2, 2)] + area / (0.5 * (d[(0, 0)] + d[(0, 1)]))
     }
 
     /// E' of Irwin's G = K_I²/E' [Pa]: E in plane stress, E/(1 − ν²) in plane strain.
@@ -130,6 +174,46 @@ mod tests {
         // Two rounding errors of the 3 × 3 inverse.
         assert!((strain[0] - 1.05e-5).abs() < 1e-15 * 1.05e-5 * 10.0);
         assert!((strain[1] + 0.35e-5).abs() < 1e-15 * 1.05e-5 * 10.0);
+    }
+
+    /// C12 = C66 = p and C11 = 3 p of the bonds, and the two parts of the cells, are D; and the rest vanishes
+    /// in the limit of the ratio of bonds, from both sides.
+    #[test]
+    fn bonds_and_cells_together_are_the_material() {
+        for plane in [PlaneState::Stress, PlaneState::Strain] {
+            for poisson in [-0.9, 0.0, 0.1, 0.2, 0.3, 0.4, 0.45, 0.49] {
+                let material = Material {
+                    young: 3.0,
+                    poisson,
+                };
+                let parts = material.on_lattice(plane);
+                let p = plane.bond_modulus() * parts.bond_young;
+                let (k, g) = (parts.area, parts.deviator);
+                let sum = Matrix3::new(
+                    3.0 * p + k + g,
+                    p + k - g,
+                    0.0,
+                    p + k - g,
+                    3.0 * p + k + g,
+                    0.0,
+                    0.0,
+                    0.0,
+                    p + g,
+                );
+                let d = material.elasticity(plane);
+                // Some rounding errors of the largest modulus.
+                assert!(
+                    (sum - d).amax() < 1e-15 * 4.0 * d.amax(),
+                    "{plane:?} {poisson}"
+                );
+                assert!(p > 0.0 && k >= 0.0 && g >= 0.0 && k * g == 0.0);
+            }
+            let nearly = Material {
+                young: 1.0,
+                poisson: plane.bond_based_poisson() + 1e-5,
+            };
+            assert!((nearly.on_lattice(plane).bond_young - 1.0).abs() < 1e-4);
+        }
     }
 
     #[test]

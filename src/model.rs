@@ -4,6 +4,7 @@
 //! region. Immutable once built.
 
 mod check;
+mod companions;
 mod elements;
 mod error;
 mod families;
@@ -34,6 +35,7 @@ use check::check;
 use elements::Elements;
 use lattices::LatticeOfPoints;
 
+pub use companions::Companions;
 pub use error::ModelError;
 pub use families::FamilyMember;
 pub use lattice_angle::turn_lattices;
@@ -106,6 +108,8 @@ pub struct Model {
     clipped_from: Vec<f64>,
     /// The peridynamic regions in which each clipped bond begins and ends.
     clipped_regions: Vec<Option<[usize; 2]>>,
+    /// The cells that break with each bond.
+    pub companions: Companions,
     /// Integrity φ of every interaction before the first load: 0 where it meets an initial crack, 1
     /// elsewhere [-].
     pub integrity: Vec<f64>,
@@ -140,6 +144,7 @@ impl Model {
         let coupling = settings.coupling.tie();
         let mut tied = Tied::default();
         let mut points = Vec::new();
+        let mut lattice_cells = Vec::new();
         let mut first = positions.len();
         for (part, lattice) in topology.lattices.iter().zip(&lattices) {
             let parts = Parts {
@@ -159,6 +164,17 @@ impl Model {
             };
             let bonds = lattice.bonds(settings.thickness, parts.first_node);
             tied.append(coupling.tie(bonds, &parts));
+            let needs_cells = |&region: &usize| {
+                let material = &regions[region].material;
+                !material.on_lattice(settings.plane).is_of_bonds()
+            };
+            lattice_cells.push(match part.members.iter().any(needs_cells) {
+                true => coupling.cells(&parts).map_err(|[x, y]| {
+                    let region = regions[part.leader()].name.clone();
+                    ModelError::Cells { region, x, y }
+                })?,
+                false => Vec::new(),
+            });
             points.push(PointRegion::new(part, lattice, first));
             first += lattice.lattice.positions.len();
         }
@@ -183,16 +199,18 @@ impl Model {
             clipped: tied.family_shares,
             clipped_from: tied.bond_lengths,
             clipped_regions: Vec::new(),
+            companions: Companions::default(),
             node_axes: NodeAxes::new(),
             topology,
             mesh,
             regions,
         };
         model.mix_materials();
+        model.add_cells(&lattice_cells);
         Ok(model)
     }
 
-    /// Severs the bonds and trusses that meet a crack.
+    /// Severs the bonds and trusses that meet a crack, and the cells that go with them.
     pub fn with_cracks(mut self, cracks: &Cracks) -> Model {
         if cracks.is_empty() {
             return self;
@@ -205,6 +223,10 @@ impl Model {
         });
         let severed: Vec<f64> = integrity.collect();
         self.integrity[..severed.len()].copy_from_slice(&severed);
+        let broken: Vec<usize> = (0..severed.len()).filter(|&s| severed[s] == 0.0).collect();
+        for cell in self.cells_with(&broken, |_| true) {
+            self.integrity[cell] = 0.0;
+        }
         self
     }
 

@@ -3,6 +3,7 @@
 
 pub mod axes;
 pub mod bonds;
+pub mod cells;
 pub mod isotropy;
 pub mod kernel;
 pub mod lattice;

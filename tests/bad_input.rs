@@ -168,12 +168,6 @@ fn parameters_of_the_geometry() {
 
 #[test]
 fn materials() {
-    let strain = [
-        "bar.yaml:8:37",
-        "ν = 1/3",
-        "plane strain can only have ν = 1/4",
-    ];
-    assert_edit("plane: stress", "plane: strain", &strain);
     assert_edit(
         "poisson: 1/3",
         "poisson: 0.6",

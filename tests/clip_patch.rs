@@ -60,16 +60,24 @@ fn model(mesh: Mesh, lattice: PeridynamicSettings, plane: PlaneState) -> Model {
 }
 
 fn try_model(
-    mut mesh: Mesh,
+    mesh: Mesh,
     lattice: PeridynamicSettings,
     plane: PlaneState,
+) -> Result<Model, ModelError> {
+    try_model_of(mesh, lattice, (plane, plane.bond_based_poisson()))
+}
+
+fn try_model_of(
+    mut mesh: Mesh,
+    lattice: PeridynamicSettings,
+    (plane, poisson): (PlaneState, f64),
 ) -> Result<Model, ModelError> {
     let island = mesh.surfaces["island"].clone();
     let others = (0..mesh.cells.len()).filter(|c| !island.contains(c));
     mesh.surfaces.insert("frame".to_owned(), others.collect());
     let material = peristitch::material::Material {
         young: 100e9,
-        poisson: plane.bond_based_poisson(),
+        poisson,
     };
     let regions = vec![
         region(&mesh, &["frame"], material, Method::FiniteElements),
@@ -301,19 +309,92 @@ fn polygons_in_distorted_meshes() {
 }
 
 /// The interface's mid-side nodes on the circle through the corners: parabolas, on which lines turn.
+fn curved(kind: CellKind, sides: usize) -> Mesh {
+    let radius = 9.0;
+    let mut mesh = polygon(kind, sides, 1, radius);
+    let centre = [0.13, -0.21];
+    for edge in mesh.outline(&mesh.surfaces["island"].clone()) {
+        let middle = edge.middle.expect("second order");
+        let arm = [0, 1].map(|k| mesh.nodes[middle][k] - centre[k]);
+        let scale = radius / arm[0].hypot(arm[1]);
+        mesh.nodes[middle] = [0, 1].map(|k| centre[k] + scale * arm[k]);
+    }
+    mesh
+}
+
+/// Poisson's ratios with cells of either kind.
+const RATIOS: [(PlaneState, f64); 4] = [
+    (PlaneState::Stress, 0.0),
+    (PlaneState::Stress, 0.2),
+    (PlaneState::Stress, 0.4),
+    (PlaneState::Strain, 0.45),
+];
+
+/// Cells at interfaces of every shape, straight, re-entrant, curved and graded, on lattices at any angle.
+#[test]
+fn any_poissons_ratio() {
+    let shift = |[x, y]: [f64; 2]| {
+        let bulge = |s: f64, size: f64| s * (1.0 - s / size);
+        [-0.5 * bulge(x, 25.0), 0.4 * bulge(y, 20.0)]
+    };
+    let turned = |degrees, origin| (degrees, origin);
+    let mut wrong = Vec::new();
+    for kind in KINDS {
+        let mut shapes: Vec<(String, Mesh)> = vec![
+            ("rectangle".to_owned(), rectangle(kind)),
+            ("angle".to_owned(), angle(kind)),
+            (
+                "graded".to_owned(),
+                framed(kind, shift, |[x, y]| x < 12.5 || y < 10.0),
+            ),
+        ];
+        for sides in [6, 7, 24] {
+            let mesh = polygon(kind, sides, 24_usize.div_ceil(sides), 9.0);
+            shapes.push((format!("{sides} sides"), mesh));
+        }
+        if kind.is_quadratic() {
+            shapes.push(("12 curved sides".to_owned(), curved(kind, 12)));
+        }
+        for (name, mesh) in shapes {
+            let mut largest = 0.0;
+            for position in [
+                ALIGNED,
+                SHIFTED,
+                ROTATED,
+                turned(1.0, [0.5, 0.5]),
+                turned(45.0, [0.25, 0.25]),
+            ] {
+                for ratio in RATIOS {
+                    let what = format!("{name} {kind:?} {position:?} {ratio:?}");
+                    match try_model_of(mesh.clone(), settings(position, 3.0), ratio) {
+                        Err(error) => wrong.push(format!("{what}: {error}")),
+                        Ok(model) => {
+                            assert!(!model.interactions.cells().is_empty(), "{what}");
+                            let error = error(&model);
+                            largest = f64::max(largest, error);
+                            if error.is_nan() || error > EXACT {
+                                wrong.push(format!("{what}: {error:.2e}"));
+                            }
+                        }
+                    }
+                }
+            }
+            println!("{name} {kind:?}: {largest:.1e}");
+        }
+    }
+    assert!(
+        wrong.is_empty(),
+        "{} wrong:\n{}",
+        wrong.len(),
+        wrong.join("\n")
+    );
+}
+
 #[test]
 fn curved_edges_of_second_order() {
     for kind in [CellKind::Quad8, CellKind::Tri6] {
         for (sides, position) in [(12, ALIGNED), (12, ROTATED), (16, SHIFTED)] {
-            let radius = 9.0;
-            let mut mesh = polygon(kind, sides, 1, radius);
-            let centre = [0.13, -0.21];
-            for edge in mesh.outline(&mesh.surfaces["island"].clone()) {
-                let middle = edge.middle.expect("second order");
-                let arm = [0, 1].map(|k| mesh.nodes[middle][k] - centre[k]);
-                let scale = radius / arm[0].hypot(arm[1]);
-                mesh.nodes[middle] = [0, 1].map(|k| centre[k] + scale * arm[k]);
-            }
+            let mesh = curved(kind, sides);
             let model = model(mesh, settings(position, 4.0), PlaneState::Stress);
             assert_exact(&model, &format!("{sides} {kind:?} {position:?}"));
         }

@@ -178,13 +178,6 @@ const MISTAKES: [Mistake; 41] = [
         fix: "did you mean `solid`?",
     },
     Mistake {
-        what: "Poisson's ratio is not the lattice's", file: BAR,
-        old: "poisson: 1/3",
-        new: "poisson: 0.3",
-        place: "bar.yaml:8:37", cause: "ν = 0.3",
-        fix: "plane stress can only have ν = 1/3",
-    },
-    Mistake {
         what: "a modulus is negative", file: BAR,
         old: "100 GPa",
         new: "-100 GPa",

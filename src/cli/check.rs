@@ -3,6 +3,7 @@
 use super::conditions::conditions;
 use super::progress::Warnings;
 use crate::fracture::crack_length::Cut;
+use crate::model::Model;
 use crate::phases::machine_memory;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::plan::Plan;
@@ -64,6 +65,9 @@ pub(super) fn check(plan: &Plan, backend: Option<Backend>) -> Result<(), RunErro
     let (ties, what) = model.ties();
     println!("  bonds             {}", model.interactions.bonds().len());
     println!("  {what:<18}{ties}");
+    if let Some(line) = cells(&model) {
+        println!("  cells             {line}");
+    }
     for interface in &model.topology.interfaces {
         println!(
             "  interface         `{}` to `{}`: {} edges",
@@ -102,6 +106,26 @@ pub(super) fn check(plan: &Plan, backend: Option<Backend>) -> Result<(), RunErro
     }
     println!("  next: peristitch run {}", plan.source.path.display());
     Ok(())
+}
+
+/// How many functionals the cells have, and the share of a modulus that they carry.
+fn cells(model: &Model) -> Option<String> {
+    let count = model.interactions.cells().len();
+    let plane = model.settings.plane;
+    let of_points = model.points.iter().flat_map(|p| model.members(p.region));
+    let materials = of_points.map(|region| model.regions[region].material);
+    let largest = materials.max_by(|a, b| a.cell_share(plane).total_cmp(&b.cell_share(plane)))?;
+    let modulus = match largest.poisson < plane.bond_based_poisson() {
+        true => "shear",
+        false => "area",
+    };
+    (count > 0).then(|| {
+        format!(
+            "{count} functionals, for ν = {} carrying {:.0} % of the {modulus} modulus",
+            largest.poisson,
+            100.0 * largest.cell_share(plane)
+        )
+    })
 }
 
 fn megabytes(bytes: u64) -> String {

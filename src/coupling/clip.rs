@@ -30,6 +30,7 @@
 //! A patch of uniform strain is exact to rounding if the lattice's moduli are the finite elements': the
 //! kernel must be isotropised.
 
+mod cells;
 mod chain;
 mod side;
 mod stencil;
@@ -41,6 +42,7 @@ use crate::interactions::Interactions;
 use crate::mesh::Edge;
 use crate::peridynamics::axes::Axes;
 use crate::peridynamics::bonds::family_offsets;
+use crate::peridynamics::cells::Cell;
 use crate::peridynamics::kernel::Micromodulus;
 use crate::peridynamics::point_index::PointIndex;
 use crate::peridynamics::surface::Surface;
@@ -73,6 +75,10 @@ impl Tie for Clip {
 
     fn interface_cuts_areas(&self) -> bool {
         false
+    }
+
+    fn cells(&self, parts: &Parts) -> Result<Vec<Cell>, [f64; 2]> {
+        cells::cells_of(parts)
     }
 
     fn tie(&self, bonds: Interactions, parts: &Parts) -> Tied {

@@ -50,7 +50,7 @@ pub(super) fn correct(
     strains: &mut [Vector3<f64>],
 ) {
     let mixed = model.points.iter().filter(|points| {
-        let young = |region: usize| model.regions[region].material.young;
+        let young = |region: usize| model.bond_young(region);
         let mut members = model.members(points.region);
         members.any(|region| young(region) != young(points.region))
     });
@@ -89,7 +89,7 @@ pub(super) fn correct(
         for_each_square(points, segment, |node, share| {
             if let Some(place) = place_of[node - first] {
                 let point = &mut joint_points[place];
-                let own = model.material_of_point(node).young / young;
+                let own = model.bond_young_of_point(node) / young;
                 point.family += own * weight * share * q * q.transpose();
                 point.carried += phi * weight * share * stretch * q;
             }
@@ -114,7 +114,7 @@ fn joint_points(model: &Model) -> Vec<JointPoint> {
     let mut sums = vec![([0.0; 2], 0.0); model.areas.len()];
     for (bond, pair) in model.interactions.bonds().zip(model.interactions.pairs()) {
         let ends = pair.map(|node| node as usize);
-        let [a, b] = ends.map(|node| model.material_of_point(node).young);
+        let [a, b] = ends.map(|node| model.bond_young_of_point(node));
         if a == b {
             continue;
         }

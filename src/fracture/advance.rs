@@ -82,7 +82,8 @@ impl State {
         self.fresh = 0;
     }
 
-    /// Changes the integrity of interactions that have reached a limit, finds the parts that come off, and
+    /// Changes the integrity of interactions that have reached a limit, takes the cells of those that break with
+    /// them, finds the parts that come off, and
     /// returns the changes. Displacements are those of the `response`, or else the state's own.
     pub fn change(
         &mut self,
@@ -96,21 +97,28 @@ impl State {
             laws,
             ..
         } = problem;
-        for &interaction in interactions {
+        let mut count = interactions.len();
+        let change = |state: &mut State, interaction: usize| {
             let stretch = match response {
-                Some(response) => response.stretch(problem, interaction, self.load),
-                None => self.stretch(model, interaction),
+                Some(response) => response.stretch(problem, interaction, state.load),
+                None => state.stretch(model, interaction),
             };
-            let before = self.integrity[interaction];
+            let before = state.integrity[interaction];
             let after = laws.next(interaction, before, stretch);
-            Arc::make_mut(&mut self.integrity)[interaction] = after;
-            self.changes.push(Change {
+            Arc::make_mut(&mut state.integrity)[interaction] = after;
+            state.changes.push(Change {
                 interaction: interaction as u32,
                 integrity: [before, after],
                 elongation: model.interactions.length(interaction, &model.positions) * stretch,
             });
-        }
-        self.fresh += interactions.len();
+        };
+        interactions.iter().for_each(|&s| change(self, s));
+        let is_broken = |&s: &usize| self.integrity[s] == 0.0;
+        let broken: Vec<usize> = interactions.iter().copied().filter(is_broken).collect();
+        let cells = model.cells_with(&broken, |cell| self.integrity[cell] > 0.0);
+        cells.iter().for_each(|&cell| change(self, cell));
+        count += cells.len();
+        self.fresh += count;
         // A response that is known already is that of a regular K: everything is held.
         let is_held = response.is_some_and(Response::foresees_next);
         if !interactions.is_empty() && !is_held {
@@ -125,7 +133,7 @@ impl State {
                 self.fragments = now;
             }
         }
-        &self.changes[self.changes.len() - interactions.len()..]
+        &self.changes[self.changes.len() - count..]
     }
 }
 

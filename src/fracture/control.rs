@@ -140,8 +140,8 @@ fn load_of_step(problem: &Problem, state: &State, step: usize, response: &Respon
     (problem.programme).load_of_step(state.phase, step, values)
 }
 
-/// Changes the bonds that the load brings to a limit; returns how many have changed, and how many of them
-/// have broken.
+/// Changes the bonds that the load brings to a limit; returns how many interactions have changed, and how many
+/// bonds have broken.
 fn change_bonds(
     problem: &Problem,
     state: &mut State,
@@ -154,7 +154,9 @@ fn change_bonds(
     });
     measure("loose parts", || {
         let changes = state.change(problem, Some(response), &bonds);
+        let bonds = problem.model.interactions.axial();
         let broken = changes.iter().filter(|change| change.is_break());
+        let broken = broken.filter(|change| bonds.contains(&(change.interaction as usize)));
         [changes.len(), broken.count()]
     })
 }

@@ -41,7 +41,7 @@ impl LookAhead {
     /// per unit of λ [-].
     pub fn stretches(&self, event: usize, interaction: usize) -> Option<[f64; 2]> {
         let find = |e: &PredictedEvent, of: fn(&PredictedEvent) -> &Vec<[f64; 2]>| {
-            let place = e.bonds.binary_search(&interaction).ok()?;
+            let place = e.interactions.binary_search(&interaction).ok()?;
             Some(of(e)[place])
         };
         let before = event.checked_sub(1).map(|k| self.event(k));

@@ -211,14 +211,16 @@ impl Predictor<'_> {
                 return true;
             }
             let is_due = |&k: &usize| is_at_limit(stretches[k], response.limits[k], load, TIE);
-            let due: Vec<usize> = (0..stretches.len()).filter(is_due).collect();
+            let mut due: Vec<usize> = (0..stretches.len()).filter(is_due).collect();
             let values = response.values.clone();
             let laws = self.problem.laws;
             let next = |&k: &usize| {
                 let stretch = load.combine(stretches[k]);
                 laws.next(zone.interactions[k], response.integrity[k], stretch)
             };
-            let integrity: Vec<f64> = due.iter().map(next).collect();
+            let mut integrity: Vec<f64> = due.iter().map(next).collect();
+            due.extend(self.cells_with(zone, &response.integrity, &due, &integrity));
+            integrity.resize(due.len(), 0.0);
             let losses_before = self.found.losses.len() + run.losses.len();
             for (&k, &phi) in due.iter().zip(&integrity) {
                 let Some(loss) = response.change(self.problem, zone, k, phi) else {
@@ -234,13 +236,32 @@ impl Predictor<'_> {
                 load,
                 before: due.iter().map(|&k| stretches[k]).collect(),
                 after: due.iter().map(stretches_now).collect(),
-                bonds: due.iter().map(|&k| zone.interactions[k]).collect(),
+                interactions: due.iter().map(|&k| zone.interactions[k]).collect(),
                 integrity,
             });
             run.ends.push(response.displacement.clone());
             last = load;
         }
         false
+    }
+
+    /// Places of the cells that go with the interactions at some places, ascending.
+    fn cells_with(
+        &self,
+        zone: &Zone,
+        before: &[f64],
+        due: &[usize],
+        integrity: &[f64],
+    ) -> Vec<usize> {
+        let broken = due.iter().zip(integrity).filter(|(_, phi)| **phi == 0.0);
+        let broken: Vec<usize> = broken.map(|(&k, _)| zone.interactions[k]).collect();
+        let place = |cell: usize| {
+            zone.place(cell)
+                .expect("a bond is in the zone with its cells")
+        };
+        let is_intact = |cell: usize| self.integrity[cell] > 0.0 && before[place(cell)] > 0.0;
+        let cells = self.problem.model.cells_with(&broken, is_intact);
+        cells.into_iter().map(place).collect()
     }
 
     /// Checks the bonds next to the zone while `count` events pass.
@@ -343,8 +364,8 @@ impl Predictor<'_> {
 
     fn accept(&mut self, run: &ZoneRun, residual: f64) {
         for event in &run.events {
-            for (&bond, &phi) in event.bonds.iter().zip(&event.integrity) {
-                self.integrity[bond] = phi;
+            for (&s, &phi) in event.interactions.iter().zip(&event.integrity) {
+                self.integrity[s] = phi;
             }
         }
         self.left -= run.events.len();

@@ -272,7 +272,9 @@ impl Response {
     /// Bonds at a limit of their branch, or within a small share of it and bound to reach it.
     pub fn bonds_at_limit(&mut self, problem: &Problem, state: &State, load: Load) -> Vec<usize> {
         if let Some((ahead, next)) = self.predicted() {
-            return ahead.event(next).bonds.clone();
+            let bonds = problem.model.interactions.axial();
+            let changed = ahead.event(next).interactions.iter();
+            return changed.copied().filter(|s| bonds.contains(s)).collect();
         }
         let close = self.bonds_near_limit(problem, state, load);
         if let NextResponse::Update(_, near) = &mut self.next {

@@ -35,6 +35,9 @@ pub struct State {
     /// disk, since it follows from the changes ([`State::restore_integrity`]).
     #[serde(skip)]
     pub integrity: Arc<Vec<f64>>,
+    /// How many interactions come before the cells.
+    #[serde(skip)]
+    axial: usize,
     /// Nodes of the parts that no support touches any more; they stay where they broke off.
     pub fragments: Vec<Vec<usize>>,
     /// Whether a load pushes a part that the supports do not hold.
@@ -118,6 +121,7 @@ impl State {
             residual: 0.0,
             size: None,
             integrity: Arc::new(model.integrity.clone()),
+            axial: model.interactions.axial().len(),
             fragments: Vec::new(),
             load_lost: false,
             mechanisms: BTreeSet::new(),
@@ -136,6 +140,7 @@ impl State {
     /// Sets the integrity that the changes have left of the model's.
     pub fn restore_integrity(&mut self, model: &Model) {
         self.integrity = Arc::new(model.integrity.clone());
+        self.axial = model.interactions.axial().len();
         for change in &self.changes {
             let all = Arc::make_mut(&mut self.integrity);
             all[change.interaction as usize] = change.integrity[1];
@@ -187,9 +192,10 @@ impl State {
         &self.changes[self.changes.len() - self.fresh..]
     }
 
-    /// Interactions broken since the start, in their order; initial cracks are none.
+    /// Bonds, trusses and clipped bonds broken since the start, in their order; initial cracks and cells are none.
     pub fn broken(&self) -> Vec<u32> {
-        let broken = self.changes.iter().filter(|change| change.is_break());
+        let changes = self.changes.iter().filter(|change| change.is_break());
+        let broken = changes.filter(|change| (change.interaction as usize) < self.axial);
         broken.map(|change| change.interaction).collect()
     }
 

@@ -7,7 +7,8 @@ use super::problem::Problem;
 use crate::model::Model;
 use rayon::prelude::*;
 
-/// Some nodes, and the interactions between them that may change.
+/// Some nodes, and the interactions between them that may change: bonds with all of the cells that go with them, and
+/// these cells.
 pub struct Zone {
     /// Dofs of the nodes, ascending.
     pub dofs: Vec<usize>,
@@ -42,6 +43,13 @@ fn is_rim(inside: usize, across: usize) -> bool {
     across as f64 > RIM_SHARE * (inside + across) as f64
 }
 
+/// The nodes of an interaction and of the cells that go with it.
+fn reach(model: &Model, interaction: usize) -> impl Iterator<Item = &u32> {
+    let cells = model.companions.of(interaction).iter();
+    let of_cells = cells.flat_map(|&cell| model.interactions.nodes(cell as usize));
+    model.interactions.nodes(interaction).iter().chain(of_cells)
+}
+
 impl Zone {
     pub fn new(problem: &Problem, integrity: &[f64], nodes: &[usize]) -> Zone {
         let model = problem.model;
@@ -62,19 +70,17 @@ impl Zone {
         // Those that never change need no watching.
         let breaks = |s: usize| problem.laws.limits(s, integrity[s]) != StretchLimits::NONE;
         let touching = |test: &(dyn Fn(&u32) -> bool + Sync)| -> Vec<usize> {
-            let all = (0..model.interactions.len()).into_par_iter();
-            all.filter(|&s| {
-                integrity[s] > 0.0 && breaks(s) && model.interactions.nodes(s).iter().any(test)
-            })
-            .collect()
+            let all = model.interactions.axial().into_par_iter();
+            all.filter(|&s| integrity[s] > 0.0 && breaks(s) && reach(model, s).any(test))
+                .collect()
         };
         let is_in = |&node: &u32| places[node as usize] != Place::Outside;
-        let (inside, across): (Vec<usize>, Vec<usize>) = (touching(&is_in).into_iter())
-            .partition(|&s| model.interactions.nodes(s).iter().all(is_in));
+        let (inside, across): (Vec<usize>, Vec<usize>) =
+            (touching(&is_in).into_iter()).partition(|&s| reach(model, s).all(is_in));
         // How many interactions of a node stay in the zone, and how many do not.
         let mut counts = vec![[0usize; 2]; model.node_count()];
         for (list, which) in [(&inside, 0), (&across, 1)] {
-            for &node in list.iter().flat_map(|&s| model.interactions.nodes(s)) {
+            for &node in list.iter().flat_map(|&s| reach(model, s)) {
                 counts[node as usize][which] += 1;
             }
         }
@@ -85,7 +91,9 @@ impl Zone {
                 place => place,
             };
         }
-        inside.iter().for_each(|&s| zone.add(problem, &places, s));
+        let cells = model.cells_with(&inside, |cell| integrity[cell] > 0.0);
+        let inside = inside.iter().chain(&cells);
+        inside.for_each(|&s| zone.add(problem, &places, s));
         zone.ring = touching(&|&node| places[node as usize] == Place::Next);
         let nodes = zone.ring.iter().flat_map(|&s| model.interactions.nodes(s));
         zone.ring_nodes = nodes.copied().collect();

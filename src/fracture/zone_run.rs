@@ -16,8 +16,8 @@ pub struct PredictedEvent {
     /// How many losses come before it on this factor.
     pub losses_before: usize,
     pub load: Load,
-    /// The bonds that change, ascending, and their integrity φ after it [-].
-    pub bonds: Vec<usize>,
+    /// The bonds that change and the cells that go with them, ascending, and their integrity φ after it [-].
+    pub interactions: Vec<usize>,
     pub integrity: Vec<f64>,
     /// Their stretches before and after it, under what is held and per unit of λ [-].
     pub before: Vec<[f64; 2]>,
@@ -49,8 +49,9 @@ impl ZoneRun {
 
     /// The losses of its first `count` events.
     pub fn losses_of(&self, count: usize) -> &[Loss] {
-        let bonds = self.events[..count].iter().map(|event| event.bonds.len());
-        &self.losses[..bonds.sum()]
+        let events = self.events[..count].iter();
+        let changes = events.map(|event| event.interactions.len());
+        &self.losses[..changes.sum()]
     }
 
     /// The forces of all losses after `count` events here, at all dofs [N]; of each case, none where nothing is

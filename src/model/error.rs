@@ -75,6 +75,11 @@ pub enum ModelError {
         bytes: f64,
         machine: f64,
     },
+    #[error(
+        "region `{region}`: the lattice's square at ({x:.6e}, {y:.6e}) m and its interface make no cell, and a \
+         Poisson's ratio other than that of bonds needs one"
+    )]
+    Cells { region: String, x: f64, y: f64 },
     #[error("the surface correction of region `{region}` fails: {source}")]
     Surface {
         region: String,

@@ -84,15 +84,29 @@ impl Model {
         clipped.into_par_iter().map(find).collect()
     }
 
-    /// The mean Young's modulus of the two ends of an interaction [Pa], c being proportional to it; `None` between
-    /// finite elements.
+    /// Young's modulus of a region's bonds alone [Pa].
+    pub fn bond_young(&self, region: usize) -> f64 {
+        let material = &self.regions[region].material;
+        material.on_lattice(self.settings.plane).bond_young
+    }
+
+    /// Young's modulus of the bonds alone at the node of a material point [Pa].
+    ///
+    /// # Panics
+    /// Panics for the node of a finite element.
+    pub fn bond_young_of_point(&self, node: usize) -> f64 {
+        let region = self.region_of_point(node);
+        self.bond_young(region.expect("the node of a material point"))
+    }
+
+    /// The mean Young's modulus of the bonds at the two ends of an interaction [Pa], c being proportional to it;
+    /// `None` between finite elements.
     pub fn mean_young(&self, interaction: usize) -> Option<f64> {
-        let [a, b] =
-            (self.regions_of_interaction(interaction)?).map(|r| self.regions[r].material.young);
+        let [a, b] = (self.regions_of_interaction(interaction)?).map(|r| self.bond_young(r));
         Some(harmonic_mean(a, b))
     }
 
-    /// Mean Young's modulus of the two ends of an interaction over that of its lattice's leader [-].
+    /// Mean Young's modulus of the bonds at the two ends of an interaction over that of its lattice's leader [-].
     pub fn material_factor(&self, interaction: usize) -> f64 {
         let Some([a, b]) = self.regions_of_interaction(interaction) else {
             return 1.0;
@@ -100,8 +114,8 @@ impl Model {
         let Some(lattice) = self.topology.lattice_of(a) else {
             return 1.0;
         };
-        let leader = self.regions[lattice.leader()].material.young;
-        let [a, b] = [a, b].map(|region| self.regions[region].material.young);
+        let leader = self.bond_young(lattice.leader());
+        let [a, b] = [a, b].map(|region| self.bond_young(region));
         // Exactly one where all are the same.
         if a == leader && b == leader {
             1.0
@@ -114,7 +128,7 @@ impl Model {
     pub(super) fn mix_materials(&mut self) {
         self.clipped_regions = self.find_clipped_regions();
         if self.topology.has_joints() {
-            let factors: Vec<f64> = (0..self.interactions.len())
+            let factors: Vec<f64> = (self.interactions.axial())
                 .map(|interaction| self.material_factor(interaction))
                 .collect();
             let Interactions { stiffness, .. } = &mut self.interactions;

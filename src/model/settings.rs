@@ -56,6 +56,10 @@ pub enum SettingsError {
     #[error("the horizon is {ratio:.3} spacings, more than {most}")]
     HorizonTooLarge { ratio: f64, most: f64 },
     #[error(
+        "the surface correction by least squares knows bonds alone, whose Poisson's ratio is {poisson:.4}"
+    )]
+    LeastSquaresOfCells { poisson: f64 },
+    #[error(
         "the clip needs a lattice with the finite elements' moduli, and a raw micromodulus has others: \
          0.6 % of a uniform strain would be wrong beside the interface"
     )]
@@ -72,8 +76,13 @@ impl Region {
         match self.method {
             Method::FiniteElements => Ok(()),
             Method::Peridynamics(lattice) => {
-                self.material.check_bond_based(settings.plane)?;
                 lattice.check()?;
+                let on_lattice = self.material.on_lattice(settings.plane);
+                let correction = lattice.surface_correction;
+                if correction == SurfaceCorrection::LeastSquares && !on_lattice.is_of_bonds() {
+                    let poisson = settings.plane.bond_based_poisson();
+                    return Err(SettingsError::LeastSquaresOfCells { poisson });
+                }
                 lattice.check_coupling(settings.coupling)
             }
         }

@@ -1,7 +1,8 @@
 //! The micromodulus c(ξ) = c0 g(ξ/δ), Qian et al. (2021), eqs. (8)–(10).
 //!
 //! c0 follows from equal energy densities: with M2 = ∫₀^δ g ξ² dξ the modulus of the family is
-//! C12 = C66 = (π/8) c0 M2, and ν = 1/3 (plane stress) or 1/4 (plane strain) makes C12 = 3E/8 or 2E/5.
+//! C12 = C66 = (π/8) c0 M2, and ν = 1/3 (plane stress) or 1/4 (plane strain) makes C12 = 3E/8 or 2E/5. For another ν
+//! it is the part p of the elasticity that bonds can carry ([`crate::material::LatticeElasticity`]).
 
 use super::isotropy::{self, Isotropy};
 use crate::material::{Material, PlaneState};
@@ -109,11 +110,9 @@ impl Micromodulus {
         horizon: f64,
         spacing: f64,
     ) -> Micromodulus {
-        let c12 = match plane {
-            PlaneState::Stress => 3.0 / 8.0,
-            PlaneState::Strain => 2.0 / 5.0,
-        };
-        let c0 = 8.0 * c12 * material.young / (PI * kernel.second_moment() * horizon.powi(3));
+        let young = material.on_lattice(plane).bond_young;
+        let c12 = plane.bond_modulus();
+        let c0 = 8.0 * c12 * young / (PI * kernel.second_moment() * horizon.powi(3));
         Micromodulus {
             kernel,
             partial_area,

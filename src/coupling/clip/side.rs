@@ -77,7 +77,7 @@ impl Side {
     }
 
     /// Shape functions of the ends and the middle.
-    fn shape(&self, t: f64) -> [f64; 3] {
+    pub fn shape(&self, t: f64) -> [f64; 3] {
         match self.middle {
             None => [1.0 - t, t, 0.0],
             Some(_) => [
@@ -88,10 +88,63 @@ impl Side {
         }
     }
 
-    fn position(&self, t: f64) -> [f64; 2] {
+    pub fn position(&self, t: f64) -> [f64; 2] {
         let n = self.shape(t);
         let middle = self.middle.unwrap_or_default();
         [0, 1].map(|k| n[0] * self.ends[0][k] + n[1] * self.ends[1][k] + n[2] * middle[k])
+    }
+
+    /// dx/dt [m].
+    pub fn tangent(&self, t: f64) -> [f64; 2] {
+        let [a, b] = self.ends;
+        let Some(middle) = self.middle else {
+            return [0, 1].map(|k| b[k] - a[k]);
+        };
+        let slopes = [4.0 * t - 3.0, 4.0 * t - 1.0, 4.0 - 8.0 * t];
+        [0, 1].map(|k| slopes[0] * a[k] + slopes[1] * b[k] + slopes[2] * middle[k])
+    }
+
+    /// Gauss points of a piece in t, with their weights.
+    pub fn gauss(&self, [from, to]: [f64; 2]) -> [(f64, f64); 3] {
+        GAUSS.map(|(abscissa, weight)| (from + abscissa * (to - from), weight * (to - from)))
+    }
+
+    /// The least and the largest coordinate along an axis that the side may reach [m].
+    pub fn bounds(&self, axis: usize) -> [f64; 2] {
+        let points = || self.ends.iter().chain(&self.middle).map(|x| x[axis]);
+        let (low, high) = points().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+        // A parabola through three points leaves their range by less than its width.
+        let rest = if self.middle.is_some() {
+            high - low
+        } else {
+            0.0
+        };
+        [low - rest, high + rest]
+    }
+
+    /// The parameter of the place nearest to a position, and its distance [m].
+    pub fn foot(&self, x: [f64; 2]) -> (f64, f64) {
+        let distance = |t: f64| {
+            let at = self.position(t);
+            (at[0] - x[0]).hypot(at[1] - x[1])
+        };
+        let steps = if self.middle.is_some() { 8 } else { 1 };
+        let start = (0..=steps).map(|k| f64::from(k) / f64::from(steps));
+        let mut t = start
+            .min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
+            .unwrap_or(0.0);
+        for _ in 0..20 {
+            let (at, slope) = (self.position(t), self.tangent(t));
+            let along = slope[0] * (x[0] - at[0]) + slope[1] * (x[1] - at[1]);
+            let next = (t + along / (slope[0] * slope[0] + slope[1] * slope[1])).clamp(0.0, 1.0);
+            if next == t {
+                break;
+            }
+            t = next;
+        }
+        (t, distance(t))
     }
 
     /// η(t) = c + b t + a t².
@@ -132,7 +185,7 @@ impl Side {
     }
 
     /// The parameter t of the arc at η.
-    fn place(&self, arc: &Arc, frame: &Frame, across: f64) -> f64 {
+    pub fn place(&self, arc: &Arc, frame: &Frame, across: f64) -> f64 {
         let [c, b, a] = self.polynomial(frame);
         let c = c - across;
         let root = (b * b - 4.0 * a * c).max(0.0).sqrt();

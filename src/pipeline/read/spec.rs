@@ -108,8 +108,8 @@ fn metre() -> String {
 pub struct Material {
     /// Young's modulus E > 0. Unit: Pa.
     pub young: Scalar,
-    /// Poisson's ratio, −1 < ν < 1/2. In peridynamic regions 1/3 in plane stress, 1/4 in plane
-    /// strain.
+    /// Poisson's ratio, −1 < ν < 1/2. Bonds alone have 1/3 in plane stress, 1/4 in plane strain; others
+    /// take cells.
     pub poisson: Scalar,
     /// f_t > 0: a bond breaks at a stretch above f_t/E. Unit: Pa.
     #[serde(skip_serializing_if = "Option::is_none")]

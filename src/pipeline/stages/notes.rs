@@ -3,6 +3,7 @@
 use crate::boundary::Boundary;
 use crate::coupling::Coupling;
 use crate::geometry::Outline;
+use crate::material::PlaneState;
 use crate::model::{Method, Model, PointRegion};
 use crate::pipeline::read::plan::{Plan, Probe};
 use crate::pipeline::show::results::lattice_name;
@@ -13,6 +14,7 @@ use std::f64::consts::PI;
 pub fn notes(plan: &Plan, model: &Model, boundary: &Boundary) -> Vec<String> {
     let mut notes = Vec::new();
     notes.extend(cut_off(model, boundary));
+    notes.extend(poisson(model));
     for points in &model.points {
         notes.extend(area(model, points));
         notes.extend(narrow(model, points));
@@ -38,6 +40,25 @@ fn cut_off(model: &Model, boundary: &Boundary) -> Option<String> {
              is a slot two rows wide: move it, or the lattice's `origin`, by half a spacing"
         )
     })
+}
+
+/// Poisson's ratios outside these have cells whose error is known to be larger; the second in plane strain alone.
+const MEASURED_POISSON: [f64; 2] = [0.0, 0.45];
+
+/// Peridynamic regions with an unusual Poisson's ratio.
+fn poisson(model: &Model) -> Option<String> {
+    let [least, most] = MEASURED_POISSON;
+    let is_unusual = |poisson: f64| {
+        poisson < least || (poisson > most && model.settings.plane == PlaneState::Strain)
+    };
+    let regions = model.regions.iter();
+    let mut points = regions.filter(|region| matches!(region.method, Method::Peridynamics(_)));
+    let region = points.find(|region| is_unusual(region.material.poisson))?;
+    Some(format!(
+        "the region `{}` has ν = {}: its elasticity is exact, but free surfaces and cracks are off by more than \
+         for 0 to {most}; look at docs/method.md",
+        region.name, region.material.poisson
+    ))
 }
 
 /// A lattice whose areas are off by more than this is worth a word: the paper's full cells on grid

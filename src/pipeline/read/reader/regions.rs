@@ -32,10 +32,7 @@ impl Reader<'_> {
             })?;
             let method = match region.model {
                 spec::RegionModel::Fem => self.finite_elements(index, region)?,
-                spec::RegionModel::Peridynamics => {
-                    self.check_poisson(region, &material, plane)?;
-                    self.peridynamics(index, region)?
-                }
+                spec::RegionModel::Peridynamics => self.peridynamics(index, region)?,
             };
             Ok(RegionPlan {
                 groups: region.group.0.clone(),
@@ -47,32 +44,6 @@ impl Reader<'_> {
             })
         };
         self.spec.regions.iter().enumerate().map(read).collect()
-    }
-
-    fn check_poisson(
-        &self,
-        region: &spec::Region,
-        material: &Material,
-        plane: PlaneState,
-    ) -> Result<(), InputError> {
-        if material.check_bond_based(plane).is_ok() {
-            return Ok(());
-        }
-        let (state, fraction) = match plane {
-            PlaneState::Stress => ("stress", "1/3"),
-            PlaneState::Strain => ("strain", "1/4"),
-        };
-        let message = format!(
-            "material `{}` has ν = {}, but bonds in plane {state} can only have ν = {fraction}",
-            region.material, self.spec.materials[&region.material].poisson.0
-        );
-        let help = format!(
-            "bonds are central forces: set `poisson: {fraction}` in `{}`, or give this region \
-             `model: fem`",
-            region.material
-        );
-        let place = format!("materials/{}/poisson", region.material);
-        Err(self.source.error(&place, message, Some(help)))
     }
 
     fn finite_elements(&self, index: usize, region: &spec::Region) -> Result<Method, InputError> {

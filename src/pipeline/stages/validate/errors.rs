@@ -62,6 +62,12 @@ pub(super) fn model_error(plan: &Plan, error: &ModelError) -> InputError {
         ModelError::NoMaterialPoint { region } => {
             (spacing(region), "choose a smaller `spacing`".to_owned())
         }
+        ModelError::Cells { region, .. } => (
+            spacing(region),
+            "change `spacing` or `origin` a little, so that no tip or notch of the body lies in a square that the \
+             interface cuts, or write `coupling: truss`"
+                .to_owned(),
+        ),
         ModelError::Surface { region, .. } => (
             key(region).replace("group", "surface_correction"),
             "write `surface_correction: force`".to_owned(),

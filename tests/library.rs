@@ -7,7 +7,7 @@ mod plate;
 
 use peristitch::coupling::Coupling;
 use peristitch::coupling::truss::NodeArea;
-use peristitch::material::{Material, MaterialError, PlaneState};
+use peristitch::material::{Material, PlaneState};
 use peristitch::mesh::grid::{Grid, name_cells};
 use peristitch::mesh::{Cell, CellKind, Mesh};
 use peristitch::model::{

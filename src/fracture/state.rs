@@ -37,7 +37,7 @@ pub struct State {
     pub integrity: Arc<Vec<f64>>,
     /// How many interactions come before the cells.
     #[serde(skip)]
-    axial: usize,
+    pub(super) axial: usize,
     /// Nodes of the parts that no support touches any more; they stay where they broke off.
     pub fragments: Vec<Vec<usize>>,
     /// Whether a load pushes a part that the supports do not hold.

@@ -10,7 +10,7 @@
 //! Neighbours use the same u on their common edge, so that in a uniform stress all inner forces cancel and
 //! ∮_Γ N_a σ·ν ds is left: exact for any elements and any interface.
 //!
-//! 1. A site without a point within dx/4 of Γ is moved to its foot on Γ and takes the trace there.
+//! 1. A site without a point within 0.3 dx of Γ is moved to its foot on Γ and takes the trace there.
 //! 2. Beyond a free side an edge goes on as u_P + t (u_P − u_P').
 //! 3. A cell smaller than 0.3 dx² is merged with the neighbour over the longest common edge, or with several
 //!    that share equally long ones.

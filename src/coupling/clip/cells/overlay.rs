@@ -4,16 +4,20 @@ use super::integral::Place;
 use super::{Point, Site};
 use crate::coupling::Parts;
 use crate::coupling::clip::side::{Frame, Side};
-use crate::coupling::clip::{CLEARANCE, sides, stencil};
+use crate::coupling::clip::{sides, stencil};
 use crate::peridynamics::cells::CORNERS;
 use std::collections::{BTreeMap, BTreeSet};
+
+/// Sites without a point within this distance of Γ are moved to it [dx]: more than the clip's clearance, which is
+/// measured from chords.
+const NEAR: f64 = 0.3;
 
 /// Distance from Γ below which a piece of an edge runs along it, and from an end on Γ below which a crossing is that end
 /// [dx].
 pub const ON_INTERFACE: f64 = 1e-7;
 
 /// Sides whose height over an edge is less than this run along it [dx].
-const ON_LINE: f64 = 1e-9;
+pub const ON_LINE: f64 = 1e-9;
 
 /// A corner of the lattice's squares.
 #[derive(Clone)]
@@ -129,7 +133,7 @@ impl<'a> Overlay<'a> {
         let feet = feet.map(|s| (s, self.sides[s].foot(at)));
         let nearest = feet.min_by(|a, b| a.1.1.total_cmp(&b.1.1));
         match nearest {
-            Some((side, (t, distance))) if distance <= CLEARANCE * self.dx => {
+            Some((side, (t, distance))) if distance <= NEAR * self.dx => {
                 self.cuts[side].push((t, None));
                 Vertex::OnInterface(self.trace(side, t))
             }

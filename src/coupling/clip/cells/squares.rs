@@ -1,7 +1,7 @@
 //! The boundary integrals of the squares that the interface meets.
 
 use super::integral::{Integral, Place};
-use super::overlay::{ON_INTERFACE, Overlay, Vertex, beside};
+use super::overlay::{ON_INTERFACE, ON_LINE, Overlay, Vertex, beside};
 use super::{Part, Point, Site};
 use crate::peridynamics::cells::CORNERS;
 use std::collections::{BTreeMap, BTreeSet};
@@ -35,7 +35,12 @@ impl Overlay<'_> {
             self.cuts[number].sort_by(|p, q| p.0.total_cmp(&q.0));
             let inner = self.cuts[number].iter().map(|cut| cut.0);
             let mut cuts: Vec<f64> = std::iter::once(0.0).chain(inner).chain([1.0]).collect();
-            cuts.dedup();
+            let scale = self.sides[number].tangent(0.5);
+            let least = ON_LINE * self.dx / scale[0].hypot(scale[1]);
+            cuts.dedup_by(|next, last| *next - *last < least);
+            if let Some(last) = cuts.last_mut() {
+                *last = 1.0;
+            }
             for span in cuts.windows(2) {
                 let side = &self.sides[number];
                 let t = 0.5 * (span[0] + span[1]);
@@ -106,7 +111,9 @@ impl Overlay<'_> {
         let side = &self.sides[number];
         if side.is_free() {
             let place = |t: f64| {
-                let cut = self.cuts[number].iter().find(|cut| cut.0 == t);
+                let cut = self.cuts[number]
+                    .iter()
+                    .find(|cut| (cut.0 - t).abs() < ON_LINE);
                 let at = side.position(t);
                 let own = cut.and_then(|cut| cut.1.clone());
                 own.or_else(|| self.node_at(at))

@@ -22,7 +22,7 @@ struct Mistake {
 }
 
 #[rustfmt::skip]
-const MISTAKES: [Mistake; 41] = [
+const MISTAKES: [Mistake; 40] = [
     Mistake {
         what: "a key is misspelt", file: BAR,
         old: "horizon:",

@@ -255,10 +255,7 @@ impl Predictor<'_> {
     ) -> Vec<usize> {
         let broken = due.iter().zip(integrity).filter(|(_, phi)| **phi == 0.0);
         let broken: Vec<usize> = broken.map(|(&k, _)| zone.interactions[k]).collect();
-        let place = |cell: usize| {
-            zone.place(cell)
-                .expect("a bond is in the zone with its cells")
-        };
+        let place = |cell| zone.place(cell).expect("a bond is there with its cells");
         let is_intact = |cell: usize| self.integrity[cell] > 0.0 && before[place(cell)] > 0.0;
         let cells = self.problem.model.cells_with(&broken, is_intact);
         cells.into_iter().map(place).collect()

@@ -2,9 +2,9 @@
 //! material points, stretches.
 
 pub mod damage;
-mod joints;
 pub mod points;
 pub mod stress;
+mod tractions;
 
 use crate::fem::recovery::nodal_strain;
 use crate::material::{Material, PlaneState};

@@ -26,6 +26,7 @@ use crate::material::Material;
 use crate::mesh::{Cell, Mesh};
 use crate::peridynamics::axes::Axes;
 use crate::peridynamics::kernel::Micromodulus;
+use crate::peridynamics::lattice::CellArea;
 use crate::peridynamics::point_index::PointIndex;
 use crate::peridynamics::visibility::Visibility;
 use rayon::prelude::*;
@@ -336,6 +337,14 @@ impl Model {
     pub fn material_of_point(&self, node: usize) -> &Material {
         let region = self.region_of_point(node);
         &self.regions[region.expect("the node of a material point")].material
+    }
+
+    /// Whether the points' areas are those of their squares in the region, and not dx² wherever they are.
+    pub fn has_clipped_areas(&self, points: &PointRegion) -> bool {
+        match self.regions[points.region].method {
+            Method::Peridynamics(settings) => settings.lattice.cell_area == CellArea::Clipped,
+            Method::FiniteElements => false,
+        }
     }
 
     /// The share of a neighbour's area that counts at the distance `xi` from a material point [-].

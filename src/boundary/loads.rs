@@ -18,9 +18,8 @@ use super::groups::{POINT_REACH, length, outline_edges};
 use super::layer::{LayerPoint, layer};
 use super::{Boundary, BoundaryError};
 use crate::fem::edge::{EdgeLoad, consistent_load};
-use crate::model::{Method, Model, PointRegion};
+use crate::model::{Model, PointRegion};
 use crate::peridynamics::axes::Axes;
-use crate::peridynamics::lattice::CellArea;
 
 impl Boundary {
     /// Adds a traction or pressure on a physical curve.
@@ -52,7 +51,7 @@ impl Boundary {
             }
         }
         for (points, edges) in &on_points {
-            if has_clipped_areas(model, points) {
+            if model.has_clipped_areas(points) {
                 if !self.add_nearest_traction(model, points, edges, load) {
                     return Err(BoundaryError::NothingThere {
                         group: group.to_owned(),
@@ -147,14 +146,6 @@ impl Boundary {
     pub(super) fn add_nodal_force(&mut self, node: usize, force: [f64; 2]) {
         self.load[2 * node] += force[0];
         self.load[2 * node + 1] += force[1];
-    }
-}
-
-/// Whether the points' areas are those of their squares in the region, and not dx² wherever they are.
-fn has_clipped_areas(model: &Model, points: &PointRegion) -> bool {
-    match model.regions[points.region].method {
-        Method::Peridynamics(settings) => settings.lattice.cell_area == CellArea::Clipped,
-        Method::FiniteElements => false,
     }
 }
 

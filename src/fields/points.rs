@@ -9,9 +9,11 @@
 //! ```
 //!
 //! a uniform strain comes back exactly, from whatever family: also where it is cut by a free surface or
-//! an interface. A bond carries φ k ξ s, so that σ fades with damage.
+//! an interface. A bond carries φ k ξ s, so that σ fades with damage. The bonds across a joint of two materials
+//! stretch as the mean of its sides, and count only where the others are too few. Beside sides and joints
+//! [`super::tractions`] has the last word.
 
-use super::{joints, strain_tensor, stress_tensor};
+use super::{strain_tensor, stress_tensor, tractions};
 use crate::model::{FamilyMember, Model};
 use nalgebra::{Matrix3, Vector3};
 
@@ -29,11 +31,14 @@ pub struct PointFields {
 /// too few: a half disc has some 0.3, two directions zero.
 const FLAT: f64 = 1e-6;
 
+/// Σ k ξ² q qᵀ and Σ φ k ξ² s q [N m].
+type Sums = (Matrix3<f64>, Vector3<f64>);
+
 impl PointFields {
     pub fn new(model: &Model, displacement: &[[f64; 2]], integrity: &[f64]) -> PointFields {
         let first = model.fe_node_count();
-        let mut family = vec![Matrix3::zeros(); model.areas.len()];
-        let mut carried = vec![Vector3::zeros(); model.areas.len()];
+        let mut own = vec![(Matrix3::zeros(), Vector3::zeros()); model.areas.len()];
+        let mut across = own.clone();
         for FamilyMember {
             interaction, point, ..
         } in model.families()
@@ -46,16 +51,20 @@ impl PointFields {
                 true => (model.interactions).stretch(interaction, &model.positions, displacement),
                 false => 0.0,
             };
-            family[point] += weight * q * q.transpose();
-            carried[point] += phi * weight * stretch * q;
+            let is_across = model.is_across_joint(interaction);
+            let (family, carried) = &mut (if is_across { &mut across } else { &mut own })[point];
+            *family += weight * q * q.transpose();
+            *carried += phi * weight * stretch * q;
         }
+        let strain = |(own, across): (&Sums, &Sums)| {
+            let of_own = strain_of_family(&own.0, &own.1);
+            let of_all = || strain_of_family(&(own.0 + across.0), &(own.1 + across.1));
+            of_own.or_else(of_all).unwrap_or_else(Vector3::zeros)
+        };
+        let mut strains: Vec<Vector3<f64>> = own.iter().zip(&across).map(strain).collect();
+        tractions::correct(model, displacement, integrity, &mut strains);
         let mut fields = PointFields::default();
         let plane = model.settings.plane;
-        let strains = family.iter().zip(&carried).map(|(family, carried)| {
-            strain_of_family(family, carried).unwrap_or_else(Vector3::zeros)
-        });
-        let mut strains: Vec<Vector3<f64>> = strains.collect();
-        joints::correct(model, displacement, integrity, &mut strains);
         for (point, strain) in strains.iter().enumerate() {
             let material = model.material_of_point(first + point);
             fields.strain.push(strain_tensor(strain, material, plane));
@@ -66,10 +75,7 @@ impl PointFields {
 }
 
 /// The strain ε of (Σ k ξ² q qᵀ) ε = Σ k ξ² s q; `None` where the directions are too few.
-pub(super) fn strain_of_family(
-    family: &Matrix3<f64>,
-    carried: &Vector3<f64>,
-) -> Option<Vector3<f64>> {
+fn strain_of_family(family: &Matrix3<f64>, carried: &Vector3<f64>) -> Option<Vector3<f64>> {
     let scale = family.trace() / 3.0;
     let is_flat = family.determinant() <= FLAT * scale.powi(3);
     let inverse = if is_flat { None } else { family.try_inverse() };

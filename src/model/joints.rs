@@ -106,6 +106,12 @@ impl Model {
         Some(harmonic_mean(a, b))
     }
 
+    /// Whether an interaction joins two materials.
+    pub fn is_across_joint(&self, interaction: usize) -> bool {
+        let regions = self.regions_of_interaction(interaction);
+        regions.is_some_and(|[a, b]| self.bond_young(a) != self.bond_young(b))
+    }
+
     /// Mean Young's modulus of the bonds at the two ends of an interaction over that of its lattice's leader [-].
     pub fn material_factor(&self, interaction: usize) -> f64 {
         let Some([a, b]) = self.regions_of_interaction(interaction) else {

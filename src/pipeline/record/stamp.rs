@@ -28,7 +28,7 @@ impl Stage {
         match self {
             Stage::Mesh => 3,
             Stage::Solve => 10,
-            Stage::Output => 6,
+            Stage::Output => 7,
         }
     }
 

@@ -7,6 +7,7 @@
 pub mod bend;
 pub mod bodies;
 pub mod centre_crack;
+pub mod crack_modes;
 pub mod cracks;
 pub mod disc;
 pub mod griffith;
@@ -84,6 +85,7 @@ pub fn ladder() -> Vec<Case> {
         slow("plate with a hole", kirsch::measure),
         slow("Brazilian disc", disc::measure),
         slow("centre crack", cracks::measure_centre_crack),
+        slow("crack in an infinite plate", crack_modes::measure),
         slow("single-edge bend", bend::measure),
         slow(
             "Griffith, clamped strip; solver equivalence; mirror symmetry",

@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use thiserror::Error;
 
 pub use axes::Directions;
-pub use groups::nodes_of;
+pub use groups::{nodes_of, outline_edges};
 
 #[derive(Debug, Error)]
 pub enum BoundaryError {

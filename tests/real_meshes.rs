@@ -645,3 +645,69 @@ fn a_mesh_without_groups_is_one_region() {
     assert_eq!(ended.code, Some(2), "{}", ended.err);
     assert!(ended.err.contains("`group: all`"), "{}", ended.err);
 }
+
+/// Two six-node triangles in MSH 2.2 whose sides are lines of two nodes: the middle nodes are held and moved too.
+/// Held sideways as well, σ_x is E/(1 − ν²) ε_x, and the side of 1 mm × 1 m bears 30e9 · 9/8 · 1e-3 · 1e-3 N.
+#[test]
+fn two_node_lines_along_six_node_triangles_hold_their_middle_nodes() {
+    let place = Workplace::new();
+    let nodes =
+        "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 .5 0 0\n6 1 .5 0\n7 .5 1 0\n8 0 .5 0\n9 .5 .5 0\n";
+    let lines = "1 1 2 2 4 4 1\n2 1 2 3 2 2 3\n3 1 2 4 1 1 2\n4 1 2 4 3 3 4\n";
+    let triangles = "5 9 2 1 1 1 2 3 5 6 9\n6 9 2 1 1 1 3 4 9 7 8\n";
+    place.write(
+        "plate.msh",
+        format!(
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n4\n2 1 \"plate\"\n1 2 \"left\"\n1 3 \"right\"\n\
+             1 4 \"long\"\n$EndPhysicalNames\n$Nodes\n9\n{nodes}$EndNodes\n$Elements\n6\n{lines}{triangles}\
+             $EndElements\n"
+        ),
+    );
+    let sides = "  - { group: long, displacement: { y: 0 } }\noutput:";
+    let pipeline = plate("plate.msh", &["plate"]).replace("output:", sides);
+    place.write("plate.yaml", pipeline);
+    let force = reaction(&summary(&place, "plate").1, "right", 0);
+    // A uniform strain is exact; 25 % less with free middle nodes.
+    assert!((force / 33_750.0 - 1.0).abs() < 1e-9, "{force}");
+}
+
+// --- Half models ---
+
+/// A roller on the ligament of a lattice that can crack, however it is written, and none where it cannot.
+#[test]
+fn a_roller_on_a_straight_side_of_a_breakable_lattice_is_told() {
+    let place = case("17_half_model");
+    let told = "holds a straight side of `plate` along its normal";
+    let half = text(&place, "sym_half.yaml");
+    let roller = "{ group: ligament, displacement: { y: 0 } }";
+    let is_told = |name: &str, change: [&str; 2]| {
+        let text = half.replace("sym_half\n", &format!("{name}\n"));
+        assert!(text.contains(change[0]), "{name}");
+        let file = format!("{name}.yaml");
+        place.write(&file, text.replace(change[0], change[1]));
+        place.call(&["check", &file]).succeeded().err.contains(told)
+    };
+    assert!(is_told("as_it_is", ["", ""]));
+    let others = [
+        "{ where: { between: [[16 mm, 0], [40 mm, 0]] }, displacement: { y: 0 } }",
+        "{ group: ligament, displacement: { normal: 0 } }",
+        "{ group: ligament, displacement: { x: 0, angle: 90 deg } }",
+    ];
+    for (k, other) in others.into_iter().enumerate() {
+        assert!(is_told(&format!("same_{k}"), [roller, other]), "{other}");
+    }
+    let harmless = [
+        [roller, "{ group: ligament, displacement: { x: 0, y: 0 } }"],
+        [roller, "{ group: ligament, displacement: { y: 1 µm } }"],
+        ["loading:", "no_fail: [plate]\nloading:"],
+        [
+            "loading: { control: event-driven, steps: 60 }\noutput: { pictures: [damage], every: 100 }\n",
+            "",
+        ],
+    ];
+    for (k, change) in harmless.into_iter().enumerate() {
+        assert!(!is_told(&format!("harmless_{k}"), change), "{change:?}");
+    }
+    let full = place.call(&["check", "sym_full.yaml"]).succeeded();
+    assert!(!full.err.contains("along its normal"), "{}", full.err);
+}

@@ -61,7 +61,7 @@ fn node_at(model: &Model, mesh_node: usize) -> Option<usize> {
 
 /// The edges of a curve that bound the body, with the region on their left: those of finite-element
 /// regions, and those of each peridynamic region. An edge between two regions bounds neither.
-pub(super) fn outline_edges<'a>(
+pub fn outline_edges<'a>(
     model: &'a Model,
     curve: &[Edge],
 ) -> (Vec<Edge>, Vec<(&'a PointRegion, Vec<Edge>)>) {

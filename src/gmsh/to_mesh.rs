@@ -57,6 +57,7 @@ impl Extract {
         };
         self.add_cells(&mut mesh)?;
         self.add_curves(&mut mesh);
+        take_middles_of_cells(&mut mesh);
         self.add_points(&mut mesh);
         snap_middle_nodes(
             &mut mesh,
@@ -148,6 +149,18 @@ impl Extract {
             points.extend(group.blocks.iter().flat_map(|block| &block.nodes));
             points.sort_unstable();
             points.dedup();
+        }
+    }
+}
+
+/// Edges along cells have the cells' middle nodes: a file may list the corners alone.
+fn take_middles_of_cells(mesh: &mut Mesh) {
+    let edges = mesh.cells.iter().flat_map(Cell::edges);
+    let middles: HashMap<[usize; 2], Option<usize>> =
+        edges.map(|edge| (edge.key(), edge.middle)).collect();
+    for edge in mesh.curves.values_mut().flatten() {
+        if let Some(&middle) = middles.get(&edge.key()) {
+            edge.middle = middle;
         }
     }
 }

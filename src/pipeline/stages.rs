@@ -2,6 +2,7 @@
 
 mod course_warnings;
 pub mod fracture;
+mod half_models;
 mod joints;
 pub mod meshing;
 pub mod notes;

@@ -1,5 +1,6 @@
 //! Notes on a model that are no errors: `check` and every run print the same.
 
+use super::half_models;
 use crate::boundary::Boundary;
 use crate::coupling::Coupling;
 use crate::geometry::Outline;
@@ -21,6 +22,7 @@ pub fn notes(plan: &Plan, model: &Model, boundary: &Boundary) -> Vec<String> {
         notes.extend(thin_members(model, points));
         notes.extend(coarse_outline(model, points));
     }
+    notes.extend(half_models::notes(plan, model));
     notes.extend(
         plan.probes
             .iter()

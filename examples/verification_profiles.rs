@@ -11,6 +11,7 @@ fn axis(name: &str) -> Axis {
     Axis {
         name: name.to_owned(),
         unit: String::new(),
+        ..Axis::default()
     }
 }
 

@@ -68,6 +68,15 @@ fn the_page_stands_alone_and_tells_what_was_run() {
         );
     }
     cell("bonds broken", &fracture["bonds_broken"].to_string());
+    cell("thickness", "");
+    cell(
+        "material rock",
+        "young 30 GPa, poisson 1/3, tensile strength 2.01 MPa",
+    );
+    cell("lattice band", "dx 1.0000e-3 m, δ 3.0000e-3 m = 3.0000 dx");
+    // On a phone a name stands above its value, and no word is broken.
+    assert!(html.contains("overflow-wrap: break-word") && html.contains("max-width: 40rem"));
+    assert!(html.contains("prefers-color-scheme: dark"));
     cell("sizes.dofs", &summary["sizes"]["dofs"].to_string());
     for figure in [
         "Mesh and regions",

@@ -1,6 +1,6 @@
 //! Closing lines of a run: the main numbers, and the files.
 
-use crate::output::number::{percent, scientific, signed_percent};
+use crate::output::number::{percent, quantity, scientific, signed_percent};
 use crate::pipeline::account::summary::{
     DrivenBy, Event, FractureSummary, PhaseSummary, ProbeSummary, Summary,
 };
@@ -8,7 +8,7 @@ use crate::pipeline::read::plan::Plan;
 use crate::pipeline::read::spec::Control;
 use crate::pipeline::record::writer;
 use crate::pipeline::show::damage_picture::DAMAGE_PICTURE;
-use crate::pipeline::show::report::{REPORT_FILE, quantity};
+use crate::pipeline::show::report::REPORT_FILE;
 use std::collections::BTreeMap;
 
 /// Numbers that a person wants to see, to standard output.
@@ -42,7 +42,7 @@ pub(super) fn print_files(plan: &Plan, summary: &Summary) {
             // Listed by the series, or above, or meant for `view`.
             Some("vtu" | "html" | "py") => continue,
             Some("pvd") => "for ParaView: `peristitch view`",
-            Some("png" | "svg") => "picture",
+            Some("png" | "svg" | "pdf") => "picture",
             Some("gif") => "the damage as it grows",
             _ => "sizes, times, versions",
         };

@@ -115,7 +115,7 @@ impl GeoScript {
             if let Some(body) = text.bracketed(at.end) {
                 let name = text.code[body].trim();
                 let (default, range) = (Default::Absent, Allowed::default());
-                self.define(name, default, range, file, text.line(at.start));
+                self.define(name, default, range, None, file, text.line(at.start));
             }
         }
         for word in ["DefineNumber", "DefineString"] {
@@ -156,20 +156,32 @@ impl GeoScript {
         let equals = text.code[item.clone()].find('=').map(|at| item.start + at);
         let Some(equals) = equals else {
             let (default, range) = (Default::Absent, Allowed::default());
-            return self.define(text.code[item].trim(), default, range, file, line);
+            return self.define(text.code[item].trim(), default, range, None, file, line);
         };
         let name = text.code[item.start..equals].trim();
         let mut value = equals + 1..item.end;
         let mut range = Allowed::default();
+        let mut unit = None;
         if let Some(inner) = text.bracketed(value.start) {
             let mut pieces = text.split(inner, b',');
             value = pieces.next().unwrap_or(0..0);
-            pieces.for_each(|attribute| text.add_attribute(attribute, &mut range));
+            for attribute in pieces {
+                unit = unit.or_else(|| text.unit_in_name(attribute.clone()));
+                text.add_attribute(attribute, &mut range);
+            }
         }
-        self.define(name, text.default(value), range, file, line);
+        self.define(name, text.default(value), range, unit, file, line);
     }
 
-    fn define(&mut self, name: &str, default: Default, range: Allowed, file: &Path, line: usize) {
+    fn define(
+        &mut self,
+        name: &str,
+        default: Default,
+        range: Allowed,
+        unit: Option<String>,
+        file: &Path,
+        line: usize,
+    ) {
         let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if name.is_empty() || !name.chars().all(is_name) {
             return;
@@ -177,6 +189,7 @@ impl GeoScript {
         let parameter = Parameter {
             default,
             range,
+            unit,
             file: file.to_owned(),
             line,
         };
@@ -202,6 +215,16 @@ mod tests {
 
     fn names(script: &GeoScript) -> Vec<&str> {
         script.parameters.keys().map(String::as_str).collect()
+    }
+
+    #[test]
+    fn a_name_may_end_with_a_unit() {
+        let script = scan(
+            "DefineConstant[ a = {25, Name \"Geometry/Crack length [mm]\", Min 1},\n\
+             b = {2, Name \"Geometry/Teeth [of the saw] and gaps\"}, c = {1, Label \"mass [kg]\"} ];",
+        );
+        let unit = |name: &str| script.parameters[name].unit.as_deref();
+        assert_eq!(["a", "b", "c"].map(unit), [Some("mm"), None, None]);
     }
 
     #[test]

@@ -98,6 +98,8 @@ impl std::fmt::Display for Range {
 pub struct Parameter {
     pub default: Default,
     pub range: Range,
+    /// Unit in brackets at the end of its `Name`.
+    pub unit: Option<String>,
     pub file: PathBuf,
     /// Counted from 1.
     pub line: usize,

@@ -119,6 +119,16 @@ impl Text {
         }
     }
 
+    /// `mm` of the attribute `Name "Geometry/Crack length [mm]"`.
+    pub fn unit_in_name(&self, attribute: Range<usize>) -> Option<String> {
+        if !self.code[attribute.clone()].trim().starts_with("Name") {
+            return None;
+        }
+        let name = *self.strings(attribute).first()?;
+        let (_, unit) = name.trim_end().strip_suffix(']')?.rsplit_once('[')?;
+        Some(unit.trim().to_owned())
+    }
+
     /// Reads `Min 1`, `Max 9` or `Choices{…}`; what is no plain number or text binds nothing.
     pub fn add_attribute(&self, attribute: Range<usize>, allowed: &mut Allowed) {
         let start = attribute.start + leading_blanks(&self.code[attribute.clone()]);

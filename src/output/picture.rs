@@ -1,4 +1,4 @@
-//! Pictures of a mesh, of a field on it and of a run's course, as PNG and SVG.
+//! Pictures of a mesh, of a field on it and of a run's course, as PNG, SVG and PDF.
 //!
 //! [`mesh::MeshPicture`] shows the regions with their cells, material points and interfaces;
 //! [`field::FieldPicture`] a scalar over both. They take polygons and squares in metres and know
@@ -15,6 +15,7 @@ mod frame;
 mod labels;
 mod legend;
 mod page;
+mod pdf;
 mod raster;
 mod shape;
 mod svg;
@@ -30,7 +31,7 @@ use std::path::Path;
 
 pub use chart::{Axis, Chart, Curve, Mark};
 pub use composition::Composition;
-pub use field::{Facet, FieldPicture, Square};
+pub use field::{Facet, FieldPicture, Piece, Square};
 pub use mesh::{Dot, Filling, MeshPicture, Patch, Region};
 
 /// A finished picture.

@@ -10,7 +10,7 @@ mod xml;
 use super::field::Field;
 use super::packed::LEVEL;
 use super::write_whole;
-use crate::mesh::{self, CellKind};
+use crate::mesh::CellKind;
 use std::path::Path;
 use vtkio::model::{
     Attributes, ByteOrder, CellType, Cells, DataSet, UnstructuredGridPiece, Version, VertexNumbers,
@@ -73,18 +73,6 @@ impl Part {
         }
     }
 
-    /// A cell of the mesh's own node numbers each.
-    pub fn of_surface_cells<'a>(
-        points: Vec<[f64; 2]>,
-        cells: impl IntoIterator<Item = &'a mesh::Cell>,
-    ) -> Part {
-        let mut part = Part::new(points);
-        for cell in cells {
-            part.push_cell(PartCell::Surface(cell.kind), cell.nodes());
-        }
-        part
-    }
-
     /// Every point a vertex cell: material points.
     pub fn of_vertices(points: Vec<[f64; 2]>) -> Part {
         let mut part = Part::new(points);
@@ -103,7 +91,7 @@ impl Part {
         part
     }
 
-    /// Appends a cell; `nodes` are indices of points, in the order of [`mesh`] for surfaces.
+    /// Appends a cell; `nodes` are indices of points, in the order of [`crate::mesh`] for surfaces.
     pub fn push_cell(&mut self, cell: PartCell, nodes: &[usize]) {
         self.cells.push(cell);
         self.connectivity.extend(nodes.iter().map(|&n| n as u64));

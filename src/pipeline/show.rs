@@ -4,6 +4,7 @@ pub mod animation;
 pub mod charts;
 pub mod damage_picture;
 pub mod deformed;
+mod lattice_cells;
 pub mod live_picture;
 pub mod maps;
 pub mod mesh_picture;

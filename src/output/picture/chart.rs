@@ -4,17 +4,16 @@ mod axes;
 mod marks;
 
 use super::frame::{
-    Bounds, Frame, GAP, Margins, Quantity, TEXT_SIZE, TITLE_SIZE, shortened, text_width,
+    Bounds, Frame, GAP, Margins, Quantity, TEXT_SIZE, shortened, text_width, title_height,
     title_width,
 };
 use super::labels::Labels;
 use super::legend::{self, Key, Sign, in_rows};
 use super::page::Page;
 use super::shape::Shape;
-use super::ticks::Unit;
 use super::{Composition, Picture, PictureError, check_finite};
 use crate::output::colour::{self, Rgb, WHITE};
-use axes::{grid, range};
+use axes::grid;
 use marks::Label;
 
 pub use axes::Axis;
@@ -32,7 +31,7 @@ pub struct Curve {
     pub marks: Vec<Mark>,
 }
 
-/// Title, axes and curves of a chart. Both axes include zero.
+/// Title, axes and curves of a chart.
 #[derive(Clone, Debug, Default)]
 pub struct Chart {
     pub title: String,
@@ -139,20 +138,22 @@ impl Chart {
     }
 
     fn frame(&self) -> Result<Frame, PictureError> {
-        let ranges = [0, 1].map(|k| range(self.positions().map(move |position| position[k])));
+        let axes = [&self.x, &self.y];
+        let values = |k: usize| -> Vec<f64> { self.positions().map(|at| at[k]).collect() };
+        let ranges = [0, 1].map(|k| axes[k].range(values(k).into_iter()));
         let margins = ranges.map(|[min, max]| MARGIN * (max - min));
         let bounds = Bounds {
             min: [0, 1].map(|k| ranges[k][0] - margins[k]),
             max: [0, 1].map(|k| ranges[k][1] + margins[k]),
         };
         check_finite((0..2).map(|k| bounds.max[k] - bounds.min[k]))?;
-        let quantity = |axis: &Axis, [min, max]: [f64; 2]| Quantity {
+        let quantity = |axis: &Axis, range: [f64; 2]| Quantity {
             name: axis.name.clone(),
-            unit: Unit::prefixed(&axis.unit, max.max(-min)),
+            unit: axis.unit_for(range),
         };
         let axes = [quantity(&self.x, ranges[0]), quantity(&self.y, ranges[1])];
         let margins = Margins {
-            above: GAP + TITLE_SIZE + GAP,
+            above: title_height(&self.title),
             below: GAP,
             right: 3 * GAP,
             across: 0,

@@ -8,7 +8,7 @@ use crate::output::colour::{ColourScale, INK};
 /// Width of the colour bar [pixels].
 pub(super) const BAR_WIDTH: i32 = 36;
 /// Distance between the colour bar's ticks [pixels].
-const BAR_TICKS_APART: i32 = 52;
+const BAR_TICKS_APART: i32 = 60;
 
 /// The bar of colours at the right of the plot, as high as the plot.
 pub(super) struct ColourBar {

@@ -1,10 +1,10 @@
-//! A picture before it is pixels or SVG: the plot's content and the page around it.
+//! A picture before it is pixels, SVG or PDF: the plot's content and the page around it.
 
 use super::frame::Frame;
 use super::page::{Page, Pixels};
 use super::raster::Raster;
 use super::shape::Shape;
-use super::{Picture, PictureError, svg};
+use super::{Picture, PictureError, pdf, svg};
 use crate::output::colour::{Rgb, WHITE};
 
 /// Draws the part of a plot that stays pixels in any form.
@@ -61,6 +61,11 @@ impl Composition {
     /// Pixels that cannot be encoded.
     pub fn svg(&self) -> Result<String, PictureError> {
         svg::svg(self)
+    }
+
+    /// A PDF file's content.
+    pub fn pdf(&self) -> Vec<u8> {
+        pdf::pdf(self)
     }
 
     /// The pixels below the shapes.

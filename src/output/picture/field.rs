@@ -2,7 +2,7 @@
 
 use super::colour_bar::ColourBar;
 use super::frame::{
-    Bounds, Frame, GAP, Margins, TEXT_SIZE, TITLE_SIZE, shortened, text_width, title_width,
+    Bounds, Frame, GAP, Margins, TEXT_SIZE, shortened, text_width, title_height, title_width,
 };
 use super::page::{Anchor, Page};
 use super::raster::Raster;
@@ -30,6 +30,15 @@ pub struct Square {
     pub value: f64,
 }
 
+/// A part of a material point's square, cut by the outline of its region.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// [m]
+    pub corners: Vec<[f64; 2]>,
+    /// [unit of the field]
+    pub value: f64,
+}
+
 /// A scalar field on cells and material points. For the deformed shape, give displaced positions.
 #[derive(Clone, Debug, Default)]
 pub struct FieldPicture {
@@ -41,6 +50,8 @@ pub struct FieldPicture {
     /// Ends of the colour bar [unit of the field], so that several pictures compare; `None`: the
     /// field's own.
     pub range: Option<[f64; 2]>,
+    /// Without a `range`: ends of the colour bar as percentiles of the values, from 0 to 100.
+    pub percentiles: Option<[f64; 2]>,
     /// Positions that must be in view as well [m].
     pub in_view: Vec<[f64; 2]>,
     /// Whether the sign matters: a field of both signs then has the diverging map, white at zero.
@@ -49,6 +60,7 @@ pub struct FieldPicture {
     pub deformation_scale: Option<f64>,
     pub facets: Vec<Facet>,
     pub squares: Vec<Square>,
+    pub pieces: Vec<Piece>,
     /// Sides of cells, drawn thinly; see [`crate::geometry::chords_of`] [m].
     pub cells: Vec<Vec<[f64; 2]>>,
     /// Interfaces, drawn strongly [m].
@@ -87,9 +99,10 @@ impl FieldPicture {
         check_finite(self.positions().flatten().chain(self.values()))?;
         let bounds = Bounds::of(self.positions()).ok_or(PictureError::Empty)?;
         let own = ColourScale::of(self.values());
-        let scale = match self.range {
-            Some(range) => ColourScale::of(range.into_iter()),
-            None => own.clone(),
+        let scale = match (self.range, self.percentiles) {
+            (Some(range), _) => ColourScale::of(range.into_iter()),
+            (None, Some(ends)) => ColourScale::of(percentiles(self.values(), ends).into_iter()),
+            (None, None) => own.clone(),
         };
         let scale = if self.is_signed {
             scale.signed()
@@ -99,7 +112,7 @@ impl FieldPicture {
         let bar = ColourBar::new(scale, &self.unit);
         let note = self.note(&own, &bar);
         let margins = Margins {
-            above: GAP + TITLE_SIZE + GAP + TEXT_SIZE + GAP,
+            above: title_height(&self.title) + TEXT_SIZE + GAP,
             below: GAP,
             right: bar.width(),
             across: title_width(&self.title)
@@ -131,7 +144,7 @@ impl FieldPicture {
     fn describe(&self, note: &str, bar: &ColourBar, frame: &Frame, page: &mut Page) {
         let width = frame.page[0] - frame.plot[0] - GAP;
         page.draw_title(frame, &shortened(&self.title, width, title_width));
-        let at = [frame.plot[0], GAP + TITLE_SIZE + GAP + TEXT_SIZE / 2];
+        let at = [frame.plot[0], title_height(&self.title) + TEXT_SIZE / 2];
         let note = shortened(
             note,
             width + GAP - bar.head_width(&self.quantity),
@@ -143,7 +156,9 @@ impl FieldPicture {
 
     fn values(&self) -> impl Iterator<Item = f64> {
         let facets = self.facets.iter().flat_map(|facet| facet.values);
-        facets.chain(self.squares.iter().map(|square| square.value))
+        let pieces = self.pieces.iter().map(|piece| piece.value);
+        let squares = self.squares.iter().map(|square| square.value);
+        facets.chain(squares).chain(pieces)
     }
 
     fn positions(&self) -> impl Iterator<Item = [f64; 2]> {
@@ -151,7 +166,12 @@ impl FieldPicture {
         let squares = self.squares.iter().flat_map(|s| square(s.centre, s.side));
         let lines = self.cells.iter().chain(&self.lines).flatten().copied();
         let in_view = self.in_view.iter().copied();
-        facets.chain(squares).chain(lines).chain(in_view)
+        let pieces = self.pieces.iter().flat_map(|piece| &piece.corners).copied();
+        facets
+            .chain(squares)
+            .chain(pieces)
+            .chain(lines)
+            .chain(in_view)
     }
 
     fn fill(&self, frame: &Frame, scale: &ColourScale, plot: &mut Raster) {
@@ -169,6 +189,15 @@ impl FieldPicture {
             let corners = square(frame.to_plot(*centre), side);
             plot.fill(&corners, scale.colour(*value));
         }
+        for Piece { corners, value } in &self.pieces {
+            let corners: Vec<[f64; 2]> = corners.iter().map(|&x| frame.to_plot(x)).collect();
+            let colour = scale.colour(*value);
+            plot.fill(&corners, colour);
+            if let Some(&first) = corners.first() {
+                let rim = [corners, vec![first]].concat();
+                plot.trace(&rim, OVERLAP, colour);
+            }
+        }
     }
 
     /// The line below the title: the field's range and the exaggeration.
@@ -180,10 +209,21 @@ impl FieldPicture {
             format!("min {min},  max {max}")
         };
         if let Some(scale) = self.deformation_scale {
-            note.push_str(&format!(",  deformation × {}", scale));
+            note.push_str(&format!(",  u × {}", scale));
         }
         note
     }
+}
+
+/// The values below which so many percent of all lie.
+fn percentiles(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> [f64; 2] {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len().saturating_sub(1) as f64;
+    ends.map(|end| {
+        let place = (end / 100.0 * last).round() as usize;
+        sorted.get(place).copied().unwrap_or_default()
+    })
 }
 
 /// The vector `side`, made longer by `length`.

@@ -5,7 +5,9 @@ use super::text::TextLine;
 use super::ticks::{Ticks, Unit};
 use crate::output::colour::Rgb;
 
-/// Largest width of a picture [pixels]: on a paper's column of 85 mm some 360 to the inch.
+/// Width of a paper's column [mm].
+pub(super) const COLUMN: f64 = 85.0;
+/// Largest width of a picture [pixels]: on a paper's column some 360 to the inch.
 pub(super) const WIDTH: i32 = 1200;
 /// Smallest width of the plot of a slim body [pixels].
 const LEAST_PLOT_WIDTH: i32 = 560;
@@ -13,7 +15,7 @@ const LEAST_PLOT_WIDTH: i32 = 560;
 /// slim one fits the screen.
 const PLOT_HEIGHT: [f64; 2] = [180.0, 960.0];
 /// Margins for the numbers and the title of the y axis, about [pixels].
-const USUAL_LEFT_ROOM: i32 = 110;
+const USUAL_LEFT_ROOM: i32 = 140;
 /// Margins between the body and the axes, in shares of the body's larger side.
 const MARGIN: f64 = 0.015;
 /// Distance between texts [pixels].
@@ -22,9 +24,9 @@ pub(super) const TICK: i32 = 8;
 /// Numbers along an axis or a colour bar.
 pub(super) const MOST_TICKS: i32 = 12;
 
-pub(super) const TITLE_SIZE: i32 = 36;
-/// Six points on a column of 85 mm.
-pub(super) const TEXT_SIZE: i32 = 30;
+/// Heights from ascender to descender [pixels]: fonts of 8 and 7 points on a column of 85 mm.
+pub(super) const TITLE_SIZE: i32 = 46;
+pub(super) const TEXT_SIZE: i32 = 41;
 
 /// The smallest box around a picture's content [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -224,7 +226,7 @@ impl Frame {
     /// Ticks along x (0) or y (1), in the axis's unit.
     pub fn ticks(&self, axis: usize) -> Ticks {
         let (pixels, apart) = match axis {
-            0 => (self.plot_width(), 130),
+            0 => (self.plot_width(), 160),
             _ => (self.plot_height(), 66),
         };
         let [min, max] = [0.0, f64::from(pixels)]
@@ -233,7 +235,15 @@ impl Frame {
     }
 }
 
-/// Margins below a plot for the labels and the title of its x axis [pixels].
+/// Room above a plot for a title; without one, no more than half a number of the y axis needs.
+pub(super) fn title_height(title: &str) -> i32 {
+    match title {
+        "" => GAP + TEXT_SIZE / 2,
+        _ => GAP + TITLE_SIZE + GAP,
+    }
+}
+
+/// Room below a plot for the labels and the title of its x axis [pixels].
 pub(super) fn axis_height() -> i32 {
     TICK + GAP / 2 + TEXT_SIZE + GAP / 2 + TEXT_SIZE + GAP
 }

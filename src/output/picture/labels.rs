@@ -17,6 +17,8 @@ const STRUCK: u32 = 20;
 const CLEAR: i32 = 4;
 /// Distances between a mark's centre and its label [pixels]: the nearest free place is taken.
 const DISTANCES: [i32; 10] = [16, 26, 36, 48, 64, 84, 106, 132, 160, 200];
+/// Distance of the places that are tried where no near one is free [pixels].
+const GRID: i32 = 24;
 /// Directions from a mark to its label, y downwards, the best first.
 const DIRECTIONS: [[i32; 2]; 8] = [
     [1, 0],
@@ -97,10 +99,36 @@ impl Labels {
         });
         // Of equal ones the first.
         let best = places.min_by_key(|&place| self.cost(place, mark));
-        let place = best.unwrap_or([0, 0, size[0], size[1]]);
+        let mut place = best.unwrap_or([0, 0, size[0], size[1]]);
+        if self.is_covered(place) {
+            let elsewhere = self.free_places(size);
+            place = elsewhere
+                .into_iter()
+                .min_by_key(|&other| self.cost(other, mark) + distance(other, mark))
+                .unwrap_or(place);
+        }
         self.placed.push(place);
         self.leaders.extend(leader(place, mark));
         place
+    }
+
+    /// Whether a curve, a mark or a label lies under a label at `place`.
+    fn is_covered(&self, place: Place) -> bool {
+        let crowded = grown(place);
+        self.covered_within(crowded) > 0
+            || self.placed.iter().any(|&other| overlap(crowded, other) > 0)
+    }
+
+    /// Places of `size` all over the plot under which there is nothing.
+    fn free_places(&self, size: [i32; 2]) -> Vec<Place> {
+        let [columns, rows] = [0, 1].map(|axis| (self.size[axis] - size[axis]) / GRID);
+        let places = (0..rows.max(0)).flat_map(|row| {
+            (0..columns.max(0)).map(move |column| {
+                let [x, y] = [column, row].map(|k| CLEAR + k * GRID);
+                [x, y, x + size[0], y + size[1]]
+            })
+        });
+        places.filter(|&place| !self.is_covered(place)).collect()
     }
 
     /// `place` moved into the plot.
@@ -160,6 +188,15 @@ fn beside(mark: [i32; 2], distance: i32, direction: [i32; 2], size: [i32; 2]) ->
         _ => mark[axis] - size[axis] / 2,
     });
     [left, top, left + size[0], top + size[1]]
+}
+
+/// Distance from a mark to a label [pixels].
+fn distance(place: Place, mark: [f64; 2]) -> u32 {
+    let apart = [0, 1].map(|k| {
+        let [low, high] = [place[k], place[k + 2]].map(f64::from);
+        mark[k] - mark[k].clamp(low, high)
+    });
+    apart[0].hypot(apart[1]) as u32
 }
 
 /// Common area [pixels].
@@ -253,6 +290,19 @@ mod tests {
             assert_eq!(labels.covered_within(place), 0, "{mark:?}");
         }
         assert_eq!(labels.placed.len(), 4);
+    }
+
+    /// Teeth on all sides of the mark, higher than labels are far.
+    #[test]
+    fn a_label_crosses_no_curve_where_the_plot_has_room() {
+        let tooth = |k: usize| {
+            let x = 300.0 + 20.0 * k as f64;
+            vec![[x, 250.0], [x + 10.0, 550.0]]
+        };
+        let teeth: Vec<Vec<[f64; 2]>> = (0..30).map(tooth).collect();
+        let mut labels = Labels::among(PLOT, &teeth, &[], 0.0);
+        let place = labels.place([600.0, 500.0], LABEL);
+        assert_eq!(labels.covered_within(grown(place)), 0, "{place:?}");
     }
 
     #[test]

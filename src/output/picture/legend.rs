@@ -6,7 +6,7 @@ use super::page::{Anchor, Page};
 use crate::output::colour::{CELL_EDGE, Rgb, tint};
 
 /// Side of a box in the legend [pixels].
-const KEY_SIZE: i32 = 28;
+const KEY_SIZE: i32 = 36;
 
 /// The sign before a legend's text.
 #[derive(Clone, Copy, Debug)]

@@ -3,7 +3,7 @@
 
 mod colouring;
 
-use super::frame::{Bounds, Frame, GAP, Margins, TITLE_SIZE, shortened, text_width, title_width};
+use super::frame::{Bounds, Frame, GAP, Margins, shortened, text_width, title_height, title_width};
 use super::legend::{self, Key, Sign, in_rows};
 use super::page::Page;
 use super::raster::Raster;
@@ -34,10 +34,10 @@ pub struct Region {
     pub count: usize,
 }
 
-/// A cell.
+/// A cell, or the part of a material point's square that lies in its region.
 #[derive(Clone, Debug)]
 pub struct Patch {
-    /// See [`super::outline`] [m].
+    /// Corners [m]; see [`super::outline`] for cells.
     pub outline: Vec<[f64; 2]>,
     /// Index into [`MeshPicture::regions`].
     pub region: usize,
@@ -50,6 +50,8 @@ pub struct Dot {
     pub centre: [f64; 2],
     /// The first side of its square, as a vector: turned where the lattice is [m].
     pub side: [f64; 2],
+    /// Whether the whole square is its own; else [`MeshPicture::pieces`] hold its part.
+    pub is_whole: bool,
     /// Index into [`MeshPicture::regions`].
     pub region: usize,
 }
@@ -63,6 +65,8 @@ pub struct MeshPicture {
     pub neighbours: Vec<[usize; 2]>,
     pub cells: Vec<Patch>,
     pub points: Vec<Dot>,
+    /// Parts of the points' squares that the outline of a region cuts.
+    pub pieces: Vec<Patch>,
     /// Interfaces of regions, drawn strongly; see [`crate::geometry::chords_of`] [m].
     pub interfaces: Vec<Vec<[f64; 2]>>,
     /// Initial cracks, drawn strongest [m].
@@ -93,7 +97,7 @@ impl MeshPicture {
         let keys = self.keys(i32::MAX);
         let widest_key = keys.iter().map(Key::width).max().unwrap_or(0);
         let margins = Margins {
-            above: GAP + TITLE_SIZE + GAP,
+            above: title_height(&self.title),
             below: GAP,
             right: 2 * GAP,
             across: widest_key.max(title_width(&self.title)),
@@ -140,17 +144,16 @@ impl MeshPicture {
             .cells
             .iter()
             .flat_map(|cell| cell.outline.iter().copied());
-        let points = self
-            .points
-            .iter()
-            .flat_map(|dot| square(dot.centre, dot.side));
+        let whole = self.points.iter().filter(|dot| dot.is_whole);
+        let points = whole.flat_map(|dot| square(dot.centre, dot.side));
+        let pieces = self.pieces.iter().flat_map(|piece| &piece.outline).copied();
         let lines = self
             .interfaces
             .iter()
             .chain(&self.cracks)
             .flatten()
             .copied();
-        cells.chain(points).chain(lines)
+        cells.chain(points).chain(pieces).chain(lines)
     }
 
     fn check(&self) -> Result<(), PictureError> {
@@ -158,7 +161,12 @@ impl MeshPicture {
         let regions = self.regions.len();
         let cells = self.cells.iter().map(|cell| cell.region);
         let points = self.points.iter().map(|dot| dot.region);
-        match cells.chain(points).find(|&region| region >= regions) {
+        let pieces = self.pieces.iter().map(|piece| piece.region);
+        match cells
+            .chain(points)
+            .chain(pieces)
+            .find(|&region| region >= regions)
+        {
             Some(region) => Err(PictureError::RegionMissing { region, regions }),
             None => Ok(()),
         }
@@ -205,14 +213,33 @@ impl MeshPicture {
 
     fn draw_points(&self, frame: &Frame, plot: &mut Raster) {
         let colours = self.colours();
+        let spacing = |dot: &Dot| {
+            let [x, y] = frame.along_plot(dot.side);
+            x.hypot(y)
+        };
+        let closest = self
+            .points
+            .iter()
+            .map(spacing)
+            .fold(f64::INFINITY, f64::min);
+        let opacity = match closest < SMALLEST_DOT_SPACING {
+            true => DENSE_TINT,
+            false => LIGHT_TINT,
+        };
+        for piece in &self.pieces {
+            let corners: Vec<[f64; 2]> = piece.outline.iter().map(|&x| frame.to_plot(x)).collect();
+            plot.fill(&corners, tint(colours[piece.region], opacity));
+        }
         for dot in &self.points {
             let colour = colours[dot.region];
             let side = frame.along_plot(dot.side);
             let centre = frame.to_plot(dot.centre);
-            if side[0].hypot(side[1]) < SMALLEST_DOT_SPACING {
-                plot.fill(&square(centre, side), tint(colour, DENSE_TINT));
-            } else {
-                plot.fill(&square(centre, side), tint(colour, LIGHT_TINT));
+            let is_dense = side[0].hypot(side[1]) < SMALLEST_DOT_SPACING;
+            if dot.is_whole {
+                let opacity = if is_dense { DENSE_TINT } else { LIGHT_TINT };
+                plot.fill(&square(centre, side), tint(colour, opacity));
+            }
+            if !is_dense {
                 plot.fill(&square(centre, side.map(|x| x * DOT_SHARE)), colour);
             }
         }

@@ -51,6 +51,8 @@ pub(super) struct Rectangle {
 pub(super) enum Item {
     Text(Text),
     Rectangle(Rectangle),
+    /// The sides of a box, a pixel wide, whose places are included.
+    Outline(Rectangle),
 }
 
 /// The items on a page, the first at the bottom.
@@ -92,6 +94,9 @@ impl Page {
 
     /// The picture's title at the top left.
     pub fn draw_title(&mut self, frame: &Frame, title: &str) {
+        if title.is_empty() {
+            return;
+        }
         let at = [frame.plot[0], GAP + TITLE_SIZE / 2];
         self.write(title, TITLE_SIZE, at, Anchor::Left, [false; 2]);
     }
@@ -130,16 +135,8 @@ impl Page {
     }
 
     /// The outline of a box: left, top, right, bottom, all included.
-    pub fn draw_box(&mut self, [l, t, r, b]: [i32; 4], colour: Rgb) {
-        let sides = [
-            [l, t, r + 1, t + 1],
-            [l, b, r + 1, b + 1],
-            [l, t, l + 1, b + 1],
-            [r, t, r + 1, b + 1],
-        ];
-        for side in sides {
-            self.fill_box(side, colour);
-        }
+    pub fn draw_box(&mut self, place: [i32; 4], colour: Rgb) {
+        self.items.push(Item::Outline(Rectangle { place, colour }));
     }
 
     /// A filled box: left, top, right, bottom, the last two not included.
@@ -147,6 +144,18 @@ impl Page {
         self.items
             .push(Item::Rectangle(Rectangle { place, colour }));
     }
+}
+
+/// The four sides of an outline.
+fn sides(&Rectangle { place, colour }: &Rectangle) -> [Rectangle; 4] {
+    let [l, t, r, b] = place;
+    let places = [
+        [l, t, r + 1, t + 1],
+        [l, b, r + 1, b + 1],
+        [l, t, l + 1, b + 1],
+        [r, t, r + 1, b + 1],
+    ];
+    places.map(|place| Rectangle { place, colour })
 }
 
 /// The pixels of a page, row by row.
@@ -164,6 +173,7 @@ impl Pixels<'_> {
             match item {
                 Item::Text(text) => self.write(text),
                 Item::Rectangle(bar) => self.fill(bar),
+                Item::Outline(outline) => sides(outline).iter().for_each(|side| self.fill(side)),
             }
         }
     }

@@ -5,7 +5,7 @@
 //! width that they have here, whatever font the viewer has.
 
 use super::composition::Composition;
-use super::frame::WIDTH;
+use super::frame::{COLUMN, WIDTH};
 use super::page::{Anchor, Item, Text};
 use super::shape::Shape;
 use super::{PictureError, png_bytes};
@@ -14,10 +14,10 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write as _;
 
-/// Width of a paper's column [mm].
-const COLUMN: f64 = 85.0;
 /// The size of a font that is as high as ours, in shares of the distance from ascender to descender.
 const EM: f64 = 0.87;
+/// Width of an outline [pixels]: 0.4 points on a column.
+pub(super) const OUTLINE_WIDTH: f64 = 2.0;
 /// Subscripts: size in shares of the text's, drop in shares of its em.
 const SUBSCRIPT: [f64; 2] = [0.72, 0.16];
 
@@ -61,6 +61,20 @@ pub(super) fn svg(composition: &Composition) -> Result<String, PictureError> {
                     r - l,
                     b - t,
                     hex(bar.colour)
+                );
+            }
+            // One closed line: sides drawn apart would vanish one by one where a pixel of the screen is
+            // larger than they are wide.
+            Item::Outline(outline) => {
+                let [l, t, r, b] = outline.place;
+                let [x, y] = [l, t].map(|corner| f64::from(corner) + 0.5);
+                let _ = writeln!(
+                    svg,
+                    "<rect x=\"{x}\" y=\"{y}\" width=\"{}\" height=\"{}\" fill=\"none\" \
+                     stroke=\"{}\" stroke-width=\"{OUTLINE_WIDTH}\"/>",
+                    r - l,
+                    b - t,
+                    hex(outline.colour)
                 );
             }
             Item::Text(text) => write_text(&mut svg, text),

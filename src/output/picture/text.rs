@@ -1,6 +1,6 @@
 //! Lines of text in pixels, set by the font's own metrics.
 
-use ab_glyph::{Font, FontRef, OutlinedGlyph, PxScale, ScaleFont, point};
+use ab_glyph::{Font, FontRef, OutlineCurve, OutlinedGlyph, Point, PxScale, ScaleFont, point};
 use std::sync::LazyLock;
 
 static FONT: LazyLock<FontRef> = LazyLock::new(|| {
@@ -78,6 +78,23 @@ impl TextLine {
                 pixel(at[0], at[1], coverage.clamp(0.0, 1.0));
             });
         }
+    }
+
+    /// The outlines of the letters, y downwards from the left end of the foot line [pixels].
+    pub fn curves(&self) -> impl Iterator<Item = OutlineCurve> + '_ {
+        self.letters.iter().flat_map(|letter| {
+            let glyph = letter.glyph();
+            let scale = glyph.scale.y / FONT.height_unscaled();
+            let place = glyph.position;
+            let at = move |p: Point| point(place.x + scale * p.x, place.y - scale * p.y);
+            let outline = FONT.outline(glyph.id);
+            let curves = outline.into_iter().flat_map(|outline| outline.curves);
+            curves.map(move |curve| match curve {
+                OutlineCurve::Line(a, b) => OutlineCurve::Line(at(a), at(b)),
+                OutlineCurve::Quad(a, b, c) => OutlineCurve::Quad(at(a), at(b), at(c)),
+                OutlineCurve::Cubic(a, b, c, d) => OutlineCurve::Cubic(at(a), at(b), at(c), at(d)),
+            })
+        })
     }
 }
 

@@ -40,6 +40,8 @@ pub struct Plan {
     pub loading: Option<Loading>,
     pub probes: Vec<Probe>,
     pub output: spec::Output,
+    /// Ends of the colour bar of single maps [m or Pa].
+    pub colour_ranges: BTreeMap<spec::PictureKind, [f64; 2]>,
     /// The file as it was written, with the defaults filled in.
     pub spec: Spec,
     pub source: Source,
@@ -218,6 +220,7 @@ impl Plan {
             loading: reader.loading()?,
             probes: reader.probes()?,
             output: spec.output.clone(),
+            colour_ranges: reader.colour_ranges()?,
             spec,
             source,
         })

@@ -194,6 +194,8 @@ pub fn parse_any(text: &str) -> Result<(f64, Option<Dimension>), QuantityError> 
     }
 }
 
+const DEGREES: [&str; 4] = ["deg", "°", "degree", "degrees"];
+
 /// An angle [rad] in `deg`, `°` or `rad`; a bare number is in radians, and must then be one turn at most.
 ///
 /// # Errors
@@ -206,7 +208,7 @@ pub fn parse_angle(text: &str) -> Result<f64, QuantityError> {
     let (number, unit) = split(text).ok_or_else(not_an_angle)?;
     match unit {
         _ if !number.is_finite() => Err(not_an_angle()),
-        "deg" | "°" | "degree" | "degrees" => Ok(number.to_radians()),
+        unit if DEGREES.contains(&unit) => Ok(number.to_radians()),
         "rad" => Ok(number),
         "" if number.abs() <= TAU => Ok(number),
         "" => Err(QuantityError::ManyTurns {
@@ -214,6 +216,12 @@ pub fn parse_angle(text: &str) -> Result<f64, QuantityError> {
         }),
         _ => Err(not_an_angle()),
     }
+}
+
+/// The number of an angle that is written in degrees.
+pub(crate) fn parse_degrees(text: &str) -> Option<f64> {
+    let (number, unit) = split(text.trim())?;
+    (number.is_finite() && DEGREES.contains(&unit)).then_some(number)
 }
 
 /// The number as it is written, and the text of its unit; `None` for what is no finite number with a known unit.

@@ -2,6 +2,7 @@
 
 mod conditions;
 mod loading;
+mod output;
 mod positions;
 mod probes;
 mod regions;

@@ -2,10 +2,9 @@
 //! what the report's slider moves through.
 
 use super::damage_picture::damage_picture;
-use super::deformed::{Deformed, extent};
+use super::deformed::{Deformed, visible_exaggeration};
 use crate::model::Model;
 use crate::output::animation::{self, Still};
-use crate::output::picture::field::deformation_scale;
 use crate::output::picture::{Composition, FieldPicture};
 use crate::output::write_whole;
 use crate::pipeline::account::written_file::WrittenFile;
@@ -41,7 +40,7 @@ impl AnimationFrames {
     ) -> Result<AnimationFrames, RunError> {
         let steps = chosen(course);
         let read = |&step: &usize| read_frame(&plan.folder, model, step);
-        let view = View::of(model, steps.iter().map(read))?;
+        let view = View::of(plan, model, steps.iter().map(read))?;
         let picture = |frame: &Frame| {
             let body = Deformed::by(view.exaggeration, model, &frame.displacement);
             FieldPicture {
@@ -114,6 +113,7 @@ impl View {
     /// In one pass over the frames: the box is that of the largest displacements to each side, whatever
     /// their node.
     fn of(
+        plan: &Plan,
         model: &Model,
         frames: impl Iterator<Item = Result<Frame, RunError>>,
     ) -> Result<View, RunError> {
@@ -131,7 +131,7 @@ impl View {
                 }
             }
         }
-        let exaggeration = deformation_scale(extent(model), std::iter::once(largest));
+        let exaggeration = visible_exaggeration(plan, model, std::iter::once(largest));
         let scale = exaggeration.unwrap_or(0.0);
         let mut bounds = model.bounds();
         for (x, [low, high]) in model.positions.iter().zip(&extremes) {

@@ -1,5 +1,6 @@
 //! The course of a fracture run as charts: load over displacement, energies.
 
+use super::maps::titled;
 use crate::fracture::control::Control;
 use crate::fracture::envelope::envelope;
 use crate::output::picture::{Axis, Chart, Curve, Mark};
@@ -78,7 +79,7 @@ pub(crate) fn load_displacement(plan: &Plan, course: &FractureRun, unit_load: f6
         marks: marked(course).into_iter().map(mark).collect(),
     };
     Chart {
-        title: format!("{}: {} over {}", plan.name, y.name, x.name),
+        title: titled(plan, &format!("{} over {}", y.name, x.name)),
         x,
         y,
         curves: std::iter::once(path).chain(envelope).collect(),
@@ -126,7 +127,7 @@ pub(crate) fn energies(plan: &Plan, course: &FractureRun) -> Chart {
         ..Curve::default()
     };
     Chart {
-        title: format!("{}: energies over {name}", plan.name),
+        title: titled(plan, &format!("energies over {name}")),
         x: axis(name, ""),
         y: axis("energy", "J"),
         curves: vec![
@@ -141,6 +142,7 @@ fn axis(name: &str, unit: &str) -> Axis {
     Axis {
         name: name.to_owned(),
         unit: unit.to_owned(),
+        ..Axis::default()
     }
 }
 

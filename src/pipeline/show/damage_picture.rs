@@ -19,12 +19,14 @@ pub(crate) fn damage_picture(
     integrity: &[f64],
 ) -> FieldPicture {
     let damage = damage(body.model, integrity);
+    let (squares, pieces) = body.squares(damage);
     FieldPicture {
         title: title(plan, "damage", step),
         quantity: "damage".to_owned(),
         range: Some([0.0, 1.0]),
         deformation_scale: body.exaggeration,
-        squares: body.squares(damage),
+        squares,
+        pieces,
         cells: body.cells(),
         ..FieldPicture::default()
     }

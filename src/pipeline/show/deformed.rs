@@ -1,32 +1,30 @@
-//! The body on its deformed shape, for pictures: displacements exaggerated by a round factor.
+//! The body on its deformed shape, for pictures.
 
+use super::lattice_cells::{LatticeCell, lattice_cells};
 use crate::fem::element::MappedPoint;
 use crate::geometry::chords_of;
 use crate::model::Model;
-use crate::output::picture::{self, Facet, Square};
+use crate::output::picture::{self, Facet, Piece, Square};
+use crate::pipeline::read::plan::Plan;
 use std::collections::BTreeSet;
 
 pub(crate) struct Deformed<'a> {
     pub model: &'a Model,
-    /// [m].
+    /// [m]
     displacement: &'a [[f64; 2]],
-    /// `None` where nothing is displaced.
+    /// Factor of the displacements; `None` where nothing is displaced.
     pub exaggeration: Option<f64>,
 }
 
 impl<'a> Deformed<'a> {
-    /// With a factor that makes the largest displacement a twentieth of the body.
-    pub fn new(model: &'a Model, displacement: &'a [[f64; 2]]) -> Deformed<'a> {
-        let exaggeration =
-            picture::field::deformation_scale(extent(model), displacement.iter().copied());
-        Deformed {
-            model,
-            displacement,
-            exaggeration,
-        }
+    /// The body in still pictures: true in shape unless the pipeline exaggerates displacements, so that
+    /// places can be read off the axes.
+    pub fn new(plan: &Plan, model: &'a Model, displacement: &'a [[f64; 2]]) -> Deformed<'a> {
+        let exaggeration = plan.output.exaggeration.unwrap_or(1.0);
+        Deformed::by(Some(exaggeration), model, displacement)
     }
 
-    /// With a factor that several pictures share.
+    /// The body with displacements multiplied by `exaggeration`.
     pub fn by(
         exaggeration: Option<f64>,
         model: &'a Model,
@@ -41,9 +39,14 @@ impl<'a> Deformed<'a> {
 
     /// Position of a node in the picture [m].
     pub fn moved(&self, node: usize) -> [f64; 2] {
+        self.moved_with(node, self.model.positions[node])
+    }
+
+    /// Position in the picture of a place that moves with a node [m].
+    fn moved_with(&self, node: usize, place: [f64; 2]) -> [f64; 2] {
         let scale = self.exaggeration.unwrap_or(0.0);
-        let [x, u] = [self.model.positions[node], self.displacement[node]];
-        [0, 1].map(|k| x[k] + scale * u[k])
+        let u = self.displacement[node];
+        [0, 1].map(|k| place[k] + scale * u[k])
     }
 
     /// The elements; `value` of an element's node, by its number within the element.
@@ -64,19 +67,32 @@ impl<'a> Deformed<'a> {
         facets
     }
 
-    /// The material points with their `values`.
-    pub fn squares(&self, values: impl IntoIterator<Item = f64>) -> Vec<Square> {
-        let points = self.model.points.iter();
-        let sides = points.flat_map(|points| {
+    /// The material points with their `values`, in the order of the nodes: whole squares, and those that
+    /// the outline of the region cuts.
+    pub fn squares(&self, values: impl IntoIterator<Item = f64>) -> (Vec<Square>, Vec<Piece>) {
+        let values: Vec<f64> = values.into_iter().collect();
+        let value = |node: usize| values[node - self.model.fe_node_count()];
+        let (mut squares, mut pieces) = (Vec::new(), Vec::new());
+        for points in &self.model.points {
             let side = points.side();
-            points.nodes.clone().map(move |node| (node, side))
-        });
-        let square = |((node, side), value): ((usize, [f64; 2]), f64)| Square {
-            centre: self.moved(node),
-            side,
-            value,
-        };
-        sides.zip(values).map(square).collect()
+            for cell in lattice_cells(points, &points.outline, |_| true) {
+                match cell {
+                    LatticeCell::Square(node) => squares.push(Square {
+                        centre: self.moved(node),
+                        side,
+                        value: value(node),
+                    }),
+                    LatticeCell::Piece(node, corners) => pieces.push(Piece {
+                        corners: corners
+                            .iter()
+                            .map(|&at| self.moved_with(node, at))
+                            .collect(),
+                        value: value(node),
+                    }),
+                }
+            }
+        }
+        (squares, pieces)
     }
 
     /// Sides of elements, each once.
@@ -107,8 +123,15 @@ impl<'a> Deformed<'a> {
     }
 }
 
-/// The body's larger side [m].
-pub(crate) fn extent(model: &Model) -> f64 {
+/// Factor by which moving pictures exaggerate displacements: the pipeline's, or else a round one that makes
+/// the largest displacement a twentieth of the body; `None` where nothing is displaced.
+pub(crate) fn visible_exaggeration(
+    plan: &Plan,
+    model: &Model,
+    displacements: impl Iterator<Item = [f64; 2]>,
+) -> Option<f64> {
     let [low, high] = model.bounds();
-    (high[0] - low[0]).max(high[1] - low[1])
+    let extent = (high[0] - low[0]).max(high[1] - low[1]);
+    let usual = || picture::field::deformation_scale(extent, displacements);
+    plan.output.exaggeration.or_else(usual)
 }

@@ -54,7 +54,7 @@ impl<'scope, 'env> LivePicture<'scope, 'env> {
         let step = state.step;
         let (displacement, integrity) = (state.displacement.clone(), state.integrity.clone());
         let draw = move || {
-            let body = Deformed::new(model, &displacement);
+            let body = Deformed::new(plan, model, &displacement);
             let picture = damage_picture(plan, &body, Some(step), &integrity).compose()?;
             put(&picture, Format::Png, &plan.folder.join(DAMAGE_PICTURE))
         };

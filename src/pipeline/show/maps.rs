@@ -7,6 +7,7 @@ use crate::fields::stress::{largest_principal, von_mises};
 use crate::model::Model;
 use crate::output::picture::FieldPicture;
 use crate::pipeline::read::plan::Plan;
+use crate::pipeline::read::spec::PictureKind;
 use crate::pipeline::record::frames::Frame;
 
 /// The component or invariant of σ that a stress map shows.
@@ -30,6 +31,17 @@ impl Measure {
             Measure::Xy => xy,
             Measure::Principal => largest_principal(stress),
             Measure::VonMises => von_mises(stress),
+        }
+    }
+
+    /// The picture of this stress, as the pipeline names it.
+    fn kind(self) -> PictureKind {
+        match self {
+            Measure::Xx => PictureKind::StressXx,
+            Measure::Yy => PictureKind::StressYy,
+            Measure::Xy => PictureKind::StressXy,
+            Measure::Principal => PictureKind::PrincipalStress,
+            Measure::VonMises => PictureKind::VonMises,
         }
     }
 
@@ -75,12 +87,14 @@ pub(crate) fn displacement_map(
     step: Option<usize>,
     displacement: &[[f64; 2]],
 ) -> FieldPicture {
-    let body = Deformed::new(model, displacement);
+    let body = Deformed::new(plan, model, displacement);
     let nodes: Vec<Vec<u32>> = (0..model.elements.len())
         .map(|element| model.element_nodes(element))
         .collect();
     let symbol = format!("u_{}", ['x', 'y'][axis]);
     let points = &displacement[model.fe_node_count()..];
+    let (squares, pieces) = body.squares(points.iter().map(|u| u[axis]));
+    let kind = [PictureKind::DisplacementX, PictureKind::DisplacementY][axis];
     FieldPicture {
         title: title(plan, &format!("displacement {symbol}"), step),
         quantity: symbol,
@@ -88,7 +102,10 @@ pub(crate) fn displacement_map(
         is_signed: true,
         deformation_scale: body.exaggeration,
         facets: body.facets(|element, node| displacement[nodes[element][node] as usize][axis]),
-        squares: body.squares(points.iter().map(|u| u[axis])),
+        squares,
+        pieces,
+        range: plan.colour_ranges.get(&kind).copied(),
+        percentiles: plan.output.percentiles,
         lines: body.interfaces(),
         ..FieldPicture::default()
     }
@@ -102,10 +119,12 @@ pub(crate) fn stress_map(
     step: Option<usize>,
     frame: &Frame,
 ) -> FieldPicture {
-    let body = Deformed::new(model, &frame.displacement);
+    let body = Deformed::new(plan, model, &frame.displacement);
     let nodal = NodalFields::new(model, &frame.displacement);
     let points = PointFields::new(model, &frame.displacement, &frame.integrity.to_vec());
     let [words, symbol] = measure.names();
+    let stresses = points.stress.iter();
+    let (squares, pieces) = body.squares(stresses.map(|&stress| measure.of(stress)));
     FieldPicture {
         title: title(plan, words, step),
         quantity: symbol.to_owned(),
@@ -114,7 +133,10 @@ pub(crate) fn stress_map(
         deformation_scale: body.exaggeration,
         facets: body
             .facets(|element, node| measure.of(nodal.stress[nodal.element_copies[element][node]])),
-        squares: body.squares(points.stress.iter().map(|&stress| measure.of(stress))),
+        squares,
+        pieces,
+        range: plan.colour_ranges.get(&measure.kind()).copied(),
+        percentiles: plan.output.percentiles,
         lines: body.interfaces(),
         ..FieldPicture::default()
     }
@@ -123,7 +145,16 @@ pub(crate) fn stress_map(
 /// The pipeline's name, what is shown, and when.
 pub(crate) fn title(plan: &Plan, what: &str, step: Option<usize>) -> String {
     match step {
-        Some(step) => format!("{}: {what} at step {step}", plan.name),
-        None => format!("{}: {what}", plan.name),
+        Some(step) => titled(plan, &format!("{what} at step {step}")),
+        None => titled(plan, what),
+    }
+}
+
+/// The title of a picture; empty where the pipeline wants none.
+pub(crate) fn titled(plan: &Plan, what: &str) -> String {
+    match (&plan.study, plan.output.titles) {
+        (_, false) => String::new(),
+        (Some(study), true) => format!("{study}, {}: {what}", plan.name),
+        (None, true) => format!("{}: {what}", plan.name),
     }
 }

@@ -1,6 +1,8 @@
 //! The picture of the mesh and its regions.
 
-use crate::geometry::chords;
+use super::lattice_cells::{LatticeCell, lattice_cells};
+use super::maps::titled;
+use crate::geometry::{Outline, chords};
 use crate::model::{Method, Model};
 use crate::output::picture::{self, Dot, Filling, MeshPicture, Patch};
 use crate::pipeline::read::plan::Plan;
@@ -9,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Elements, material points, interfaces, cracks; regions of one material look alike.
 pub(crate) fn mesh_picture(plan: &Plan, model: &Model) -> MeshPicture {
     let parts = Parts::of(plan, model);
-    let dots = dots(model, &parts);
+    let (dots, pieces) = points(model, &parts);
     let cells: Vec<Patch> = model
         .elements
         .iter()
@@ -30,7 +32,7 @@ pub(crate) fn mesh_picture(plan: &Plan, model: &Model) -> MeshPicture {
         points + cells.iter().filter(|cell| cell.region == part).count()
     };
     MeshPicture {
-        title: format!("{}: mesh and regions", plan.name),
+        title: titled(plan, "mesh and regions"),
         regions: (0..parts.members.len())
             .map(|part| parts.describe(part, count(part), plan))
             .collect(),
@@ -38,6 +40,7 @@ pub(crate) fn mesh_picture(plan: &Plan, model: &Model) -> MeshPicture {
         interfaces: edges.map(|e| chords(e, &model.mesh.nodes)).collect(),
         cracks: cracks.map(|edge| chords(edge, &model.mesh.nodes)).collect(),
         points: dots,
+        pieces,
         cells,
     }
 }
@@ -127,17 +130,34 @@ fn filling(method: &Method) -> Filling {
     }
 }
 
-/// Every material point, in the order of the nodes.
-fn dots(model: &Model, parts: &Parts) -> Vec<Dot> {
-    let dot = |node: usize, side: [f64; 2]| {
-        let region = model.region_of_point(node).expect("a material point");
-        Dot {
-            centre: model.positions[node],
-            side,
-            region: parts.of_region[region],
+/// Every material point, and the pieces of squares that the outlines of regions cut.
+fn points(model: &Model, parts: &Parts) -> (Vec<Dot>, Vec<Patch>) {
+    let (mut dots, mut pieces) = (Vec::new(), Vec::new());
+    for points in &model.points {
+        for region in model.members(points.region) {
+            let is_inside = |node: usize| model.region_of_point(node) == Some(region);
+            let outline = Outline::of_cells(&model.mesh, &model.regions[region].cells);
+            let part = parts.of_region[region];
+            let mut whole = BTreeSet::new();
+            for cell in lattice_cells(points, &outline, is_inside) {
+                match cell {
+                    LatticeCell::Square(node) => {
+                        whole.insert(node);
+                    }
+                    LatticeCell::Piece(_, outline) => pieces.push(Patch {
+                        outline,
+                        region: part,
+                    }),
+                }
+            }
+            let nodes = points.nodes.clone().filter(|&node| is_inside(node));
+            dots.extend(nodes.map(|node| Dot {
+                centre: model.positions[node],
+                side: points.side(),
+                is_whole: whole.contains(&node),
+                region: part,
+            }));
         }
-    };
-    let points = model.points.iter();
-    let dots = points.flat_map(|p| p.nodes.clone().map(|n| dot(n, p.side())));
-    dots.collect()
+    }
+    (dots, pieces)
 }

@@ -49,6 +49,7 @@ impl ResultPicture {
         match format {
             Format::Png => stem + ".png",
             Format::Svg => stem + ".svg",
+            Format::Pdf => stem + ".pdf",
         }
     }
 
@@ -135,7 +136,7 @@ impl Outcome<'_> {
         Ok(made)
     }
 
-    fn compose(&self, picture: ResultPicture) -> Result<Composition, RunError> {
+    pub(super) fn compose(&self, picture: ResultPicture) -> Result<Composition, RunError> {
         let Outcome {
             plan,
             model,
@@ -162,12 +163,12 @@ impl Outcome<'_> {
                 stress_map(plan, model, measure, step, &frame).compose()
             }
             (ResultPicture::Damage, _) => {
-                let body = Deformed::new(model, u);
+                let body = Deformed::new(plan, model, u);
                 damage_picture(plan, &body, last_step, &solved.integrity.to_vec()).compose()
             }
             (ResultPicture::DamageAt(step), _) => {
                 let frame = read_frame(&plan.folder, model, step)?;
-                let body = Deformed::new(model, &frame.displacement);
+                let body = Deformed::new(plan, model, &frame.displacement);
                 damage_picture(plan, &body, Some(step), &frame.integrity.to_vec()).compose()
             }
             (
@@ -232,6 +233,7 @@ pub(crate) fn put(
     let bytes: Cow<[u8]> = match format {
         Format::Png => composition.picture().to_png()?.into(),
         Format::Svg => composition.svg()?.into_bytes().into(),
+        Format::Pdf => composition.pdf().into(),
     };
     write_whole(path, &bytes)?;
     let [width, height] = composition.size().map(u64::from);

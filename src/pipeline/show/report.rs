@@ -1,5 +1,5 @@
-//! `report.html`: what a person asks of a run, on one page. Times and memory, which differ from run to run,
-//! stay in `summary.json`: the same run gives the same page.
+//! `report.html`: a run on one page. Times and memory, which differ from run to run, stay in `summary.json`:
+//! the same run gives the same page.
 
 mod numbers;
 mod page;
@@ -8,6 +8,7 @@ use super::animation::AnimationFrames;
 use super::charts::load_displacement;
 use super::pictures::ResultPicture;
 use super::results::Outcome;
+use crate::output::number::quantity;
 use crate::output::write_whole;
 use crate::pipeline::account::summary::Summary;
 use crate::pipeline::account::written_file::WrittenFile;
@@ -15,8 +16,8 @@ use crate::pipeline::error::ResultsError;
 use crate::pipeline::error::RunError;
 use crate::pipeline::read::spec::Format;
 use crate::pipeline::record::events;
+use crate::pipeline::record::folder::file_error;
 use crate::pipeline::record::history::HistoryLine;
-pub(crate) use numbers::quantity;
 use numbers::{headline, numbers};
 use page::{Figure, FramePicture, HistoryPoint, Input, Report};
 use serde_json::{Value, json};
@@ -63,13 +64,13 @@ impl Outcome<'_> {
                 None => self.plan.name.clone(),
             },
             outcome: headline(summary),
-            numbers: numbers(summary),
+            numbers: numbers(self.plan, summary),
             frames: match animation {
                 Some(animation) => self.frames(animation)?,
                 None => Vec::new(),
             },
             chart: self.chart()?,
-            pictures: self.figures(folder, made),
+            pictures: self.figures(folder, made)?,
             inputs: self.inputs(),
             table: table(&json!(summary)),
         };
@@ -143,24 +144,34 @@ impl Outcome<'_> {
         Ok(Some((svg, kept)))
     }
 
-    /// The pictures as they were written; those of chosen steps are the slider's business.
-    fn figures(&self, folder: &Path, made: &[WrittenFile]) -> Vec<Figure> {
+    /// The pictures as they were written, or as SVG where they are only in a form that pages cannot show;
+    /// those of chosen steps are the slider's business.
+    fn figures(&self, folder: &Path, made: &[WrittenFile]) -> Result<Vec<Figure>, RunError> {
         let result_pictures = self.result_pictures().into_iter();
         let result_pictures =
             result_pictures.filter(|picture| !matches!(picture, ResultPicture::DamageAt(_)));
         let figure = |picture: ResultPicture| {
             let formats = [(Format::Png, "image/png"), (Format::Svg, "image/svg+xml")];
             let mut there = formats.into_iter().map(|(f, kind)| (picture.file(f), kind));
-            let (file, kind) = there.find(|(file, _)| made.iter().any(|m| m.name == *file))?;
-            // Written a moment ago; a page without it is still a page.
-            let bytes = fs::read(folder.join(file)).ok()?;
-            Some(Figure {
+            let written = there.find(|(file, _)| made.iter().any(|m| m.name == *file));
+            let (kind, bytes) = match written {
+                Some((file, kind)) => {
+                    let path = folder.join(file);
+                    let bytes = fs::read(&path).map_err(|source| file_error("read", &path, source));
+                    (kind, bytes?)
+                }
+                None => {
+                    let svg = self.compose(picture)?.svg().map_err(ResultsError::from)?;
+                    ("image/svg+xml", svg.into_bytes())
+                }
+            };
+            Ok(Figure {
                 caption: picture.describe(),
                 kind,
                 bytes,
             })
         };
-        result_pictures.filter_map(figure).collect()
+        result_pictures.map(figure).collect()
     }
 
     fn inputs(&self) -> Vec<Input> {

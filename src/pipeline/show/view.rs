@@ -1,7 +1,7 @@
 //! `view.py` in the results: one Python script that shows them in ParaView, or draws a PNG in `pvpython` or
 //! with VTK's Python package alone. Its head holds what it must know of the run; the rest is `view/view.py`.
 
-use super::deformed::Deformed;
+use super::deformed::visible_exaggeration;
 use super::parts::PartKind;
 use super::results::Outcome;
 use crate::pipeline::read::spec::OutputField;
@@ -21,8 +21,8 @@ impl Outcome<'_> {
         } = self;
         let kinds = self.parts().kinds();
         let has = |kind: PartKind| python(kinds.contains(&kind));
-        let body = Deformed::new(model, &solved.solution.displacement);
-        let exaggeration = body.exaggeration.unwrap_or(1.0);
+        let displacements = solved.solution.displacement.iter().copied();
+        let exaggeration = visible_exaggeration(plan, model, displacements).unwrap_or(1.0);
         let head = [
             ("NAME", format!("{:?}", plan.name)),
             ("EXAGGERATION", format!("{exaggeration:?}")),

@@ -87,6 +87,10 @@ fn first_readers(spec: &Spec) -> Vec<(Stage, &'static str, Value)> {
         pictures,
         pictures_at,
         formats,
+        titles,
+        exaggeration,
+        percentiles,
+        colour_ranges,
         animation,
         report,
     } = output;
@@ -116,6 +120,10 @@ fn first_readers(spec: &Spec) -> Vec<(Stage, &'static str, Value)> {
         (Output, "output.bonds", json!(bonds)),
         (Output, "output.pictures", json!(pictures)),
         (Output, "output.formats", json!(formats)),
+        (Output, "output.titles", json!(titles)),
+        (Output, "output.exaggeration", json!(exaggeration)),
+        (Output, "output.percentiles", json!(percentiles)),
+        (Output, "output.colour_ranges", json!(colour_ranges)),
         (Output, "output.animation", json!(animation)),
         (Output, "output.report", json!(report)),
     ];

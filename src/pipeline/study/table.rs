@@ -1,6 +1,7 @@
 //! `sweep.csv`: a line for each run of a study, with its values and its results; and charts of it.
 
 use super::sweep::{Run, Study};
+use crate::gmsh;
 use crate::output::picture::PictureError;
 use crate::output::picture::chart::{Axis, Chart, Curve, Mark};
 use crate::output::{WriteError, write_whole};
@@ -213,7 +214,7 @@ pub fn draw_charts(study: &Study, rows: &[Row]) -> Result<Vec<PathBuf>, PictureE
     let labels = study.labels();
     let mut files = Vec::new();
     for (over, label) in labels.iter().enumerate() {
-        let Some(numbers) = numbers(study, over) else {
+        let Some((numbers, axis)) = scale(study, over, label) else {
             continue;
         };
         for shown in shown(rows) {
@@ -224,9 +225,7 @@ pub fn draw_charts(study: &Study, rows: &[Row]) -> Result<Vec<PathBuf>, PictureE
             let path = study
                 .folder
                 .join(format!("{}_over_{label}.png", shown.column));
-            let unit = quantity::parse_any(&study.runs[0].values[over]).ok();
-            let unit = unit.and_then(|(_, dimension)| Some(dimension?.symbol()));
-            chart(study, label, unit.unwrap_or_default(), shown, curves)
+            chart(study, axis.clone(), shown, curves)
                 .draw()?
                 .write(&path)?;
             files.push(path);
@@ -235,11 +234,41 @@ pub fn draw_charts(study: &Study, rows: &[Row]) -> Result<Vec<PathBuf>, PictureE
     Ok(files)
 }
 
-/// The values of a parameter in SI units, if they are numbers and differ.
-fn numbers(study: &Study, over: usize) -> Option<Vec<f64>> {
-    let number = |run: &Run| Some(quantity::parse_any(&run.values[over]).ok()?.0);
-    let numbers: Vec<f64> = study.runs.iter().map(number).collect::<Option<_>>()?;
-    numbers.iter().any(|&x| x != numbers[0]).then_some(numbers)
+/// The values of a parameter that are numbers and differ, and their axis: in degrees where they are written
+/// so, in the unit of the script for plain numbers of the geometry, else in SI units.
+fn scale(study: &Study, over: usize, label: &str) -> Option<(Vec<f64>, Axis)> {
+    let values = || study.runs.iter().map(|run| &run.values[over]);
+    let quantities = || values().map(|value| quantity::parse_any(value).ok());
+    let degrees = values().map(|value| quantity::parse_degrees(value));
+    let (numbers, own_unit) = match degrees.collect::<Option<Vec<f64>>>() {
+        Some(degrees) => (degrees, Some("°".to_owned())),
+        None => {
+            let plain = quantities().all(|quantity| matches!(quantity, Some((_, None))));
+            let unit = if plain {
+                unit_in_script(study, over)
+            } else {
+                None
+            };
+            let numbers = quantities().map(|quantity| Some(quantity?.0));
+            (numbers.collect::<Option<_>>()?, unit)
+        }
+    };
+    let differ = numbers.iter().any(|&x| x != numbers[0]);
+    let si_unit = || Some(quantities().next()??.1?.symbol());
+    let axis = Axis {
+        name: label.to_owned(),
+        keeps_unit: own_unit.is_some(),
+        unit: own_unit.or_else(si_unit).unwrap_or_default(),
+        is_cropped: true,
+    };
+    differ.then_some((numbers, axis))
+}
+
+/// The unit of a parameter of the geometry, as the script names it.
+fn unit_in_script(study: &Study, over: usize) -> Option<String> {
+    let name = study.parameters[over].strip_prefix("geometry.parameters.")?;
+    let script = gmsh::read_script(&study.runs[0].plan.geometry.file).ok()??;
+    script.parameters.get(name)?.unit.clone()
 }
 
 fn shown(rows: &[Row]) -> Vec<Shown<'_>> {
@@ -255,7 +284,12 @@ fn shown(rows: &[Row]) -> Vec<Shown<'_>> {
         let unit = unit.to_owned();
         Some(Shown {
             column,
-            axis: Axis { name, unit },
+            axis: Axis {
+                name,
+                unit,
+                is_cropped: true,
+                ..Axis::default()
+            },
         })
     });
     shown.collect()
@@ -302,19 +336,16 @@ fn curves(
     curves
 }
 
-fn chart(study: &Study, over: &str, unit: String, shown: Shown, mut curves: Vec<Curve>) -> Chart {
+fn chart(study: &Study, over: Axis, shown: Shown, mut curves: Vec<Curve>) -> Chart {
     let hidden = curves.len().saturating_sub(MOST_CURVES);
     curves.truncate(MOST_CURVES);
-    let mut title = format!("{}: {} over {over}", study.name, shown.axis.name);
+    let mut title = format!("{}: {} over {}", study.name, shown.axis.name, over.name);
     if hidden > 0 {
         title += &format!(" ({hidden} more curves in {TABLE_FILE})");
     }
     Chart {
         title,
-        x: Axis {
-            name: over.to_owned(),
-            unit,
-        },
+        x: over,
         y: shown.axis,
         curves,
     }
@@ -334,5 +365,35 @@ mod tests {
         assert_eq!(message, "region `band` holds no material point at all");
         fs::write(&log, "a: mesh  0.1 s\n").expect("writable");
         assert_eq!(failure(&log), None);
+    }
+
+    /// An angle in degrees, a parameter in the unit that its script names, a quantity in SI units.
+    #[test]
+    fn an_axis_has_the_unit_in_which_a_parameter_is_thought_of() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let geo = "DefineConstant[ a = {25, Name \"Geometry/Crack [mm]\"} ];\n";
+        fs::write(folder.path().join("plate.geo"), geo).expect("writable");
+        let yaml = "name: plate\ngeometry: { file: plate.geo, unit: mm }\nthickness: 1 mm\n\
+            materials: { m: { young: 30 GPa, poisson: 1/3 } }\n\
+            regions: [{ group: body, model: peridynamics, material: m, spacing: 1 mm, horizon: 3 }]\n\
+            boundary: [{ group: low, displacement: { x: 0, y: 0 } }]\n\
+            sweep:\n  combine: zipped\n  over:\n    geometry.parameters.a: [20, 25]\n\
+            \x20   regions.0.angle: [0 deg, 45 deg]\n    regions.0.spacing: [1 mm, 2 mm]\n\
+            \x20   plane: [stress, strain]\n    thickness: [1 mm, 1 mm]\n";
+        let path = folder.path().join("plate.yaml");
+        fs::write(&path, yaml).expect("writable");
+        let study = Study::read(&path, &[], None).expect("a study");
+        let found = |parameter: &str| {
+            let over = study.parameters.iter().position(|name| name == parameter);
+            let (numbers, axis) = scale(&study, over.expect("it is varied"), "")?;
+            Some((numbers, axis.unit, axis.keeps_unit))
+        };
+        let kept = |numbers: [f64; 2], unit: &str| Some((numbers.to_vec(), unit.to_owned(), true));
+        assert_eq!(found("geometry.parameters.a"), kept([20.0, 25.0], "mm"));
+        assert_eq!(found("regions.0.angle"), kept([0.0, 45.0], "°"));
+        let spacing = Some((vec![1e-3, 2e-3], "m".to_owned(), false));
+        assert_eq!(found("regions.0.spacing"), spacing);
+        assert_eq!(found("plane"), None);
+        assert_eq!(found("thickness"), None);
     }
 }

@@ -5,6 +5,7 @@ fn axis(name: &str, unit: &str) -> Axis {
     Axis {
         name: name.to_owned(),
         unit: unit.to_owned(),
+        ..Axis::default()
     }
 }
 
@@ -131,6 +132,34 @@ fn zero_is_on_both_axes() {
             assert!(shows(&picture, zero, ZERO), "{zero:?}");
         }
     }
+}
+
+/// Of values that differ by a hundredth, the axis shows the hundredth.
+#[test]
+fn a_cropped_axis_shows_a_percent() {
+    let points = vec![[10.0, 100.0], [20.0, 101.0]];
+    let mut chart = chart(vec![curve("peak", points, vec![])]);
+    let height = |chart: &Chart| {
+        let frame = chart.frame().expect("a finite range");
+        let [low, high] = [100.0, 101.0].map(|y| frame.to_plot([0.0, y])[1]);
+        (low - high) / f64::from(frame.plot_height())
+    };
+    assert!(height(&chart) < 0.02);
+    chart.y.is_cropped = true;
+    assert!(height(&chart) > 0.8, "{}", height(&chart));
+    // One value alone has no range to be cropped to.
+    chart.curves[0].points[1][1] = 100.0;
+    let frame = chart.frame().expect("a finite range");
+    assert!(frame.to_plot([0.0, 0.0])[1] < f64::from(frame.plot_height()));
+}
+
+#[test]
+fn a_unit_that_is_kept_gets_no_prefix() {
+    let mut chart = chart(vec![curve("run", vec![[0.0, 0.0], [0.004, 1.0]], vec![])]);
+    chart.x.unit = "mm".to_owned();
+    chart.x.keeps_unit = true;
+    let frame = chart.frame().expect("a finite range");
+    assert_eq!(frame.axes[0].unit.label("crack"), "crack [mm]");
 }
 
 #[test]

@@ -139,6 +139,25 @@ fn a_given_range_is_the_same_in_every_picture() {
     assert_eq!(picture.note(&own, &bar), "min 0 m,  max 1.995 m");
 }
 
+/// A peak at one point leaves the others one colour, unless percentiles cut it off.
+#[test]
+fn percentiles_cut_a_peak_off() {
+    let mut picture = ramp();
+    picture.squares[9_999].value = 1e3;
+    let spread = |picture: &FieldPicture| {
+        let drawn = picture.draw().expect("a field");
+        let [low, high] = [0.105, 1.855].map(|x| drawn.colour_at([x, 0.495]));
+        (0..3).map(|k| low[k].abs_diff(high[k])).max()
+    };
+    assert!(spread(&picture) < Some(5));
+    picture.percentiles = Some([0.0, 99.9]);
+    assert!(spread(&picture) > Some(100));
+    assert_eq!(
+        percentiles((0..=100).map(f64::from), [1.0, 95.0]),
+        [1.0, 95.0]
+    );
+}
+
 #[test]
 fn a_constant_field_is_one_colour_and_says_so() {
     let mut picture = ramp();
@@ -158,7 +177,7 @@ fn the_range_and_the_exaggeration_are_told() {
     picture.deformation_scale = Some(20.0);
     let bar = ColourBar::new(ColourScale::of(picture.values()), &picture.unit);
     let note = picture.note(&bar.scale, &bar);
-    assert_eq!(note, "min 0 m,  max 1.995 m,  deformation × 20");
+    assert_eq!(note, "min 0 m,  max 1.995 m,  u × 20");
 }
 
 #[test]

@@ -28,9 +28,11 @@ fn picture() -> MeshPicture {
             .map(|[x, y]| Dot {
                 centre: [x + 1.0, y],
                 side: [0.1, 0.0],
+                is_whole: true,
                 region: 1,
             })
             .collect(),
+        pieces: Vec::new(),
         neighbours: Vec::new(),
         interfaces: vec![vec![[1.0, 0.0], [1.0, 1.0]]],
         cracks: vec![vec![[1.5, 0.0], [1.5, 0.5]]],
@@ -95,6 +97,7 @@ fn many_regions_share_a_short_legend() {
     let dot = |region: usize| Dot {
         centre: [region as f64, 0.0],
         side: [1.0, 0.0],
+        is_whole: true,
         region,
     };
     let picture = MeshPicture {

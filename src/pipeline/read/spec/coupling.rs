@@ -2,20 +2,16 @@
 
 use super::Scalar;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::ser::SerializeMap;
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use std::fmt;
 
 /// `clip`, `truss`, or `truss: { node_area: … }`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case", from = "Written")]
 pub enum Coupling {
     Truss(Truss),
     Clip,
 }
-
-/// The words that `coupling` knows.
-const COUPLINGS: &[&str] = &["truss", "clip"];
 
 /// The truss elements of the paper.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
@@ -53,7 +49,7 @@ impl JsonSchema for Coupling {
         json_schema!({
             "description": "How finite elements are tied to material points",
             "oneOf": [
-                { "enum": COUPLINGS },
+                { "enum": ["truss", "clip"] },
                 {
                     "type": "object",
                     "properties": { "truss": truss },
@@ -65,50 +61,26 @@ impl JsonSchema for Coupling {
     }
 }
 
-impl Serialize for Coupling {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Coupling::Truss(truss) => {
-                let mut map = serializer.serialize_map(Some(1))?;
-                map.serialize_entry("truss", truss)?;
-                map.end()
-            }
-            Coupling::Clip => serializer.serialize_str("clip"),
-        }
-    }
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Written {
+    Word(Word),
+    Settings { truss: Truss },
 }
 
-impl<'de> Deserialize<'de> for Coupling {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Coupling, D::Error> {
-        struct Visitor;
-        impl<'de> de::Visitor<'de> for Visitor {
-            type Value = Coupling;
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Word {
+    Truss,
+    Clip,
+}
 
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("`clip`, `truss` or `truss: { node_area: … }`")
-            }
-
-            fn visit_str<E: de::Error>(self, text: &str) -> Result<Coupling, E> {
-                match text {
-                    "truss" => Ok(Coupling::default()),
-                    "clip" => Ok(Coupling::Clip),
-                    _ => Err(E::unknown_variant(text, COUPLINGS)),
-                }
-            }
-
-            fn visit_map<A: de::MapAccess<'de>>(self, mut map: A) -> Result<Coupling, A::Error> {
-                let mut truss = None;
-                while let Some(key) = map.next_key::<String>()? {
-                    match key.as_str() {
-                        "truss" => truss = Some(map.next_value()?),
-                        _ => return Err(de::Error::unknown_field(&key, &["truss"])),
-                    }
-                }
-                truss
-                    .map(Coupling::Truss)
-                    .ok_or_else(|| de::Error::missing_field("truss"))
-            }
+impl From<Written> for Coupling {
+    fn from(written: Written) -> Coupling {
+        match written {
+            Written::Word(Word::Truss) => Coupling::default(),
+            Written::Word(Word::Clip) => Coupling::Clip,
+            Written::Settings { truss } => Coupling::Truss(truss),
         }
-        deserializer.deserialize_any(Visitor)
     }
 }

@@ -1,13 +1,12 @@
 //! Physical groups as a pipeline names them.
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::{Deserialize, Deserializer, Serialize, de};
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use std::fmt;
 
 /// A physical group: one without a name goes by its number.
-#[derive(Clone, Debug, Serialize)]
-#[serde(transparent)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(from = "NameOrTag")]
 pub struct Name(pub String);
 
 impl JsonSchema for Name {
@@ -24,31 +23,25 @@ impl JsonSchema for Name {
     }
 }
 
-impl<'de> Deserialize<'de> for Name {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Name, D::Error> {
-        struct Visitor;
-        impl de::Visitor<'_> for Visitor {
-            type Value = Name;
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum NameOrTag {
+    Name(String),
+    Tag(u64),
+}
 
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a group's name")
-            }
-
-            fn visit_str<E: de::Error>(self, name: &str) -> Result<Name, E> {
-                Ok(Name(name.to_owned()))
-            }
-
-            fn visit_u64<E: de::Error>(self, tag: u64) -> Result<Name, E> {
-                Ok(Name(tag.to_string()))
-            }
-        }
-        deserializer.deserialize_any(Visitor)
+impl From<NameOrTag> for Name {
+    fn from(written: NameOrTag) -> Name {
+        Name(match written {
+            NameOrTag::Name(name) => name,
+            NameOrTag::Tag(tag) => tag.to_string(),
+        })
     }
 }
 
 /// One name or a list of them.
-#[derive(Clone, Debug, Serialize)]
-#[serde(transparent)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(from = "OneOrMore")]
 pub struct Names(pub Vec<String>);
 
 impl JsonSchema for Names {
@@ -66,36 +59,19 @@ impl JsonSchema for Names {
     }
 }
 
-impl<'de> Deserialize<'de> for Names {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Names, D::Error> {
-        struct Visitor;
-        impl<'de> de::Visitor<'de> for Visitor {
-            type Value = Names;
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum OneOrMore {
+    One(Name),
+    More(Vec<Name>),
+}
 
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a group's name or a list of them")
-            }
-
-            fn visit_str<E: de::Error>(self, name: &str) -> Result<Names, E> {
-                Ok(Names(vec![name.to_owned()]))
-            }
-
-            fn visit_u64<E: de::Error>(self, tag: u64) -> Result<Names, E> {
-                Ok(Names(vec![tag.to_string()]))
-            }
-
-            fn visit_seq<A: de::SeqAccess<'de>>(self, mut list: A) -> Result<Names, A::Error> {
-                let mut names = Vec::new();
-                while let Some(Name(name)) = list.next_element()? {
-                    names.push(name);
-                }
-                if names.is_empty() {
-                    Err(de::Error::invalid_length(0, &self))
-                } else {
-                    Ok(Names(names))
-                }
-            }
-        }
-        deserializer.deserialize_any(Visitor)
+impl From<OneOrMore> for Names {
+    fn from(written: OneOrMore) -> Names {
+        let names = match written {
+            OneOrMore::One(name) => vec![name],
+            OneOrMore::More(names) => names,
+        };
+        Names(names.into_iter().map(|Name(name)| name).collect())
     }
 }

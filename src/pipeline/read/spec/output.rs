@@ -3,6 +3,7 @@
 use super::{Format, Pictures, Scalar};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A displacement to report.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
@@ -47,6 +48,21 @@ pub struct Output {
     pub pictures_at: Vec<usize>,
     /// Formats of the pictures.
     pub formats: Vec<Format>,
+    /// Whether pictures have a title.
+    pub titles: bool,
+    /// Factor ≥ 0 by which pictures exaggerate displacements; it is written in each. Default: 1, so that
+    /// places can be read off the axes; in `crack.gif` a round number that makes the largest displacement
+    /// about a twentieth of the body.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exaggeration: Option<f64>,
+    /// Ends of the colour bar of maps of displacement and stress, as percentiles of the values shown, from
+    /// 0 to 100: `[1, 99]` keeps the peak at a crack's tip from taking all colours. Default: the least and
+    /// the largest value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub percentiles: Option<[f64; 2]>,
+    /// Ends of the colour bar of single maps: `{ stress-yy: [0 MPa, 5 MPa] }`. Units: m, Pa.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub colour_ranges: BTreeMap<String, [Scalar; 2]>,
     /// Write `crack.gif` of a fracture run. Default: as `pictures`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub animation: Option<bool>,
@@ -62,9 +78,13 @@ impl Default for Output {
             fields: vec![Displacement, Stress, Strain],
             every: 1,
             bonds: false,
-            pictures: Pictures::Usual,
+            pictures: Pictures::Usual(true),
             pictures_at: Vec::new(),
             formats: vec![Format::Png],
+            titles: true,
+            exaggeration: None,
+            percentiles: None,
+            colour_ranges: BTreeMap::new(),
             animation: None,
             report: None,
         }
@@ -74,16 +94,18 @@ impl Default for Output {
 impl Output {
     /// The formats, each once.
     pub fn formats(&self) -> Vec<Format> {
-        let all = [Format::Png, Format::Svg].into_iter();
+        let all = [Format::Png, Format::Svg, Format::Pdf].into_iter();
         all.filter(|format| self.formats.contains(format)).collect()
     }
 
     pub fn is_animated(&self) -> bool {
-        self.animation.unwrap_or(self.pictures != Pictures::None)
+        self.animation
+            .unwrap_or(self.pictures != Pictures::Usual(false))
     }
 
     pub fn is_reported(&self) -> bool {
-        self.report.unwrap_or(self.pictures != Pictures::None)
+        self.report
+            .unwrap_or(self.pictures != Pictures::Usual(false))
     }
 }
 

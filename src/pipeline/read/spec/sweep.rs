@@ -2,9 +2,8 @@
 
 use super::Scalar;
 use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize, de};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fmt;
 
 /// A study of many runs.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
@@ -29,7 +28,7 @@ pub enum Combine {
 }
 
 /// A list, or a range.
-#[derive(Clone, Debug, JsonSchema, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(untagged)]
 pub enum Values {
     List(Vec<Scalar>),
@@ -60,32 +59,4 @@ pub enum Scale {
     Linear,
     /// The ratio.
     Log,
-}
-
-impl<'de> Deserialize<'de> for Values {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Values, D::Error> {
-        struct Visitor;
-        impl<'de> de::Visitor<'de> for Visitor {
-            type Value = Values;
-
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str(
-                    "a list of values, or a range such as `{ from: 1 mm, to: 2 mm, count: 5 }`",
-                )
-            }
-
-            fn visit_seq<A: de::SeqAccess<'de>>(self, mut list: A) -> Result<Values, A::Error> {
-                let mut values = Vec::new();
-                while let Some(value) = list.next_element()? {
-                    values.push(value);
-                }
-                Ok(Values::List(values))
-            }
-
-            fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<Values, A::Error> {
-                Range::deserialize(de::value::MapAccessDeserializer::new(map)).map(Values::Range)
-            }
-        }
-        deserializer.deserialize_any(Visitor)
-    }
 }

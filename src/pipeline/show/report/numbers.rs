@@ -1,7 +1,8 @@
 //! The numbers of the report that are asked for first.
 
-use crate::output::number::percent;
+use crate::output::number::{percent, quantity, scientific, signed_percent};
 use crate::pipeline::account::summary::{DrivenBy, Event, FractureSummary, ProbeSummary, Summary};
+use crate::pipeline::read::plan::Plan;
 use crate::pipeline::read::spec::Control;
 use serde_json::json;
 
@@ -20,7 +21,7 @@ pub(super) fn headline(summary: &Summary) -> String {
 }
 
 /// Name and value of what is asked for first.
-pub(super) fn numbers(summary: &Summary) -> Vec<[String; 2]> {
+pub(super) fn numbers(plan: &Plan, summary: &Summary) -> Vec<[String; 2]> {
     let mut rows = Vec::new();
     let mut row = |name: &str, value: String| rows.push([name.to_owned(), value]);
     if let Some(fracture) = &summary.fracture {
@@ -57,6 +58,27 @@ pub(super) fn numbers(summary: &Summary) -> Vec<[String; 2]> {
             false => quantity(force, "N"),
         });
         row(&format!("reaction on {group}"), format!("x {x}, y {y}"));
+    }
+    row("thickness", quantity(plan.model.thickness, "m"));
+    for (name, material) in &plan.spec.materials {
+        let written = json!(material);
+        let properties = written.as_object().into_iter().flatten();
+        let properties: Vec<String> = properties
+            .map(|(key, value)| format!("{} {}", key.replace('_', " "), super::plain(value)))
+            .collect();
+        row(&format!("material {name}"), properties.join(", "));
+    }
+    for lattice in &summary.lattices {
+        let [spacing, horizon] = [lattice.spacing_m, lattice.horizon_m];
+        row(
+            &format!("lattice {}", lattice.region),
+            format!(
+                "dx {}, δ {} = {} dx",
+                quantity(spacing, "m"),
+                quantity(horizon, "m"),
+                quantity(horizon / spacing, "")
+            ),
+        );
     }
     let sizes = &summary.sizes;
     for (name, count) in [
@@ -131,38 +153,14 @@ fn described(event: &Event, driven_by: DrivenBy) -> String {
 }
 
 fn described_probe(probe: &ProbeSummary) -> String {
-    let mut text = format!("u_{} = {:.5e} m", probe.component, probe.displacement_m);
+    let displacement = scientific(probe.displacement_m, 5);
+    let mut text = format!("u_{} = {displacement} m", probe.component);
     if let (Some(reference), Some(error)) = (probe.reference_m, probe.error) {
         text += &format!(
-            "; reference {reference:.5e} m, error {:+.2} %",
-            100.0 * error
+            "; reference {} m, error {}",
+            scientific(reference, 5),
+            signed_percent(error)
         );
     }
     text
-}
-
-/// A number of five digits and its unit.
-pub(crate) fn quantity(value: f64, unit: &str) -> String {
-    let number = match value.abs() {
-        0.0 => "0".to_owned(),
-        size if (1e-2..1e5).contains(&size) => {
-            let decimals = (4.0 - size.log10().floor()).max(0.0) as usize;
-            format!("{value:.decimals$}")
-        }
-        _ => format!("{value:.4e}"),
-    };
-    format!("{number} {unit}").trim_end().to_owned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_of_any_size_are_short() {
-        assert_eq!(quantity(4.5e-7, "m"), "4.5000e-7 m");
-        assert_eq!(quantity(31_967.4, "N"), "31967 N");
-        assert_eq!(quantity(62.0, ""), "62.000");
-        assert_eq!(quantity(0.0, ""), "0");
-    }
 }

@@ -89,7 +89,7 @@ impl Report {
         if self.frames.is_empty() && self.chart.is_none() {
             return;
         }
-        html.push_str("<h2>FractureRun</h2>\n<div class=\"columns\">\n");
+        html.push_str("<h2>Fracture</h2>\n<div class=\"columns\">\n");
         if !self.frames.is_empty() {
             let _ = writeln!(
                 html,

@@ -4,19 +4,14 @@
 
 mod common;
 
-use common::{Grid, build, name_cells, name_curve, paper_lattice, region, steel};
-use peristitch::boundary::Boundary;
-use peristitch::cracks::Cracks;
+use common::gripped_plate::*;
 use peristitch::fracture::bond_laws::BondLaws;
 use peristitch::fracture::control::{self, Control, Problem, Record, Resolution, Until};
 use peristitch::fracture::laws::{BondLaw, StretchLimits};
 use peristitch::fracture::programme::Programme;
 use peristitch::fracture::response::Response;
 use peristitch::fracture::state::State;
-use peristitch::material::PlaneState;
-use peristitch::mesh::{CellKind, Edge};
-use peristitch::model::{Method, Model, PeridynamicSettings};
-use peristitch::peridynamics::lattice::Placement;
+use peristitch::model::Model;
 use peristitch::statics::StaticsError;
 use std::sync::Arc;
 
@@ -43,45 +38,9 @@ impl BondLaw for TwoSteps {
     }
 }
 
-/// 100 × 100 mm, grips of finite elements below and above 40 × 24 points, cracked from the left to the
-/// middle at mid-height.
-fn plate() -> Model {
-    let grid = Grid {
-        size: [0.1, 0.1],
-        count: [10, 10],
-        kind: CellKind::Quad4,
-    };
-    let mut mesh = grid.plain();
-    name_cells(&mut mesh, "grips", |[_, y]| (y - 0.05).abs() > 0.03);
-    name_cells(&mut mesh, "points", |[_, y]| (y - 0.05).abs() < 0.03);
-    name_curve(&mut mesh, "top", |[_, y]| y > 0.1 - 1e-9);
-    name_curve(&mut mesh, "bottom", |[_, y]| y < 1e-9);
-    let first = mesh.nodes.len();
-    mesh.nodes.extend([[0.0, 0.05], [0.05, 0.05]]);
-    let crack = Edge {
-        ends: [first, first + 1],
-        middle: None,
-    };
-    let cracks = Cracks::new(&mesh, &[crack]);
-    let settings = PeridynamicSettings {
-        horizon_ratio: 3.0,
-        ..paper_lattice(0.0025, Placement::CellCentred)
-    };
-    let regions = vec![
-        region(&mesh, &["grips"], steel(), Method::FiniteElements),
-        region(&mesh, &["points"], steel(), Method::Peridynamics(settings)),
-    ];
-    build(mesh, regions, PlaneState::Stress).with_cracks(&cracks)
-}
-
 /// Runs to the end, or so many steps.
 fn run(model: &Model, control: Control, resolution: Resolution, steps: usize) -> State {
-    let mut boundary = Boundary::new(model);
-    for (group, u) in [("bottom", 0.0), ("top", 2e-7)] {
-        let grip = boundary.displace(model, group, [Some(0.0), Some(u)]);
-        grip.expect("a grip");
-    }
-    let programme = Programme::proportional(boundary);
+    let programme = Programme::proportional(bottom_held(model, [0.0, 2e-7]));
     let laws: Vec<Arc<dyn BondLaw>> = vec![Arc::new(TwoSteps)];
     let problem = Problem {
         model,
@@ -109,7 +68,7 @@ fn run(model: &Model, control: Control, resolution: Resolution, steps: usize) ->
 
 #[test]
 fn a_law_of_two_steps_is_followed_by_every_control() {
-    let model = plate();
+    let model = gripped_plate(&[NOTCH]);
     let controls = [
         (Control::EventDriven, 150),
         (Control::OnePass, 60),

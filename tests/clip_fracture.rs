@@ -1,39 +1,25 @@
 //! Bonds break under the clip: a notched plate separates under every control, mirror-symmetric, its energies
 //! balance; cracks beside and across the interface sever clipped bonds by their segments.
-//!
-//! ```text
-//!   ┌────────────┐ ↑  Q4, 10 mm
-//!   ├────────────┤
-//!   │            │
-//!   ╞═════       │    40 × 24 points, 2.5 mm, m = 3
-//!   │            │
-//!   ├────────────┤
-//!   └────────────┘ ↓
-//! ```
 
 mod common;
 
+use common::gripped_plate::*;
 use common::*;
-use peristitch::boundary::Boundary;
 use peristitch::coupling::Coupling;
-use peristitch::cracks::Cracks;
 use peristitch::fields::damage::damage;
 use peristitch::fracture::bond_laws::BondLaws;
 use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Resolution, Until};
-use peristitch::fracture::laws::brittle::Brittle;
-use peristitch::fracture::laws::{Strength, StretchLimits};
+use peristitch::fracture::laws::StretchLimits;
 use peristitch::fracture::programme::Programme;
 use peristitch::fracture::response::Response;
 use peristitch::fracture::state::State;
 use peristitch::material::PlaneState;
-use peristitch::mesh::{CellKind, Edge};
-use peristitch::model::{Method, Model, ModelSettings, PeridynamicSettings};
+use peristitch::model::{Model, ModelSettings, PeridynamicSettings};
 use peristitch::peridynamics::bonds::family_offsets;
 use peristitch::peridynamics::lattice::{CellArea, LatticeSettings, Placement};
 use peristitch::peridynamics::surface::SurfaceCorrection;
 use peristitch::statics::StaticsError;
 
-const DX: f64 = 2.5e-3;
 const THICKNESS: f64 = 0.7;
 /// The interfaces lie here and at 0.08 m [m].
 const INTERFACE: f64 = 0.02;
@@ -47,41 +33,15 @@ struct Plate {
     laws: BondLaws,
 }
 
-type Crack = [[f64; 2]; 2];
-
 impl Plate {
-    fn new(cracks: &[Crack]) -> Plate {
-        let grid = Grid {
-            size: [0.1, 0.1],
-            count: [10, 10],
-            kind: CellKind::Quad4,
-        };
-        let mut mesh = grid.plain();
-        name_cells(&mut mesh, "grips", |[_, y]| (y - 0.05).abs() > 0.03);
-        name_cells(&mut mesh, "points", |[_, y]| (y - 0.05).abs() < 0.03);
-        name_curve(&mut mesh, "top", |[_, y]| y > 0.1 - 1e-9);
-        name_curve(&mut mesh, "bottom", |[_, y]| y < 1e-9);
-        let mut edges = Vec::new();
-        for crack in cracks {
-            let first = mesh.nodes.len();
-            mesh.nodes.extend(crack);
-            edges.push(Edge {
-                ends: [first, first + 1],
-                middle: None,
-            });
-        }
+    fn new(cracks: &[Segment]) -> Plate {
         let settings = PeridynamicSettings {
             lattice: LatticeSettings::upright(DX, Placement::CellCentred, CellArea::Clipped),
-            horizon_ratio: 3.0,
             isotropised: true,
             surface_correction: SurfaceCorrection::Force,
-            ..paper_lattice(DX, Placement::CellCentred)
+            ..lattice_of_the_plate()
         };
-        let cracks = Cracks::new(&mesh, &edges);
-        let regions = vec![
-            region(&mesh, &["grips"], steel(), Method::FiniteElements),
-            region(&mesh, &["points"], steel(), Method::Peridynamics(settings)),
-        ];
+        let (mesh, regions, cracks) = parts_of_the_plate(cracks, settings);
         let settings = ModelSettings {
             plane: PlaneState::Stress,
             thickness: THICKNESS,
@@ -89,16 +49,7 @@ impl Plate {
         };
         let model = Model::build(mesh, regions, settings).expect("a sound model");
         let model = model.with_cracks(&cracks);
-        let mut boundary = Boundary::new(&model);
-        for (group, sign) in [("top", 1.0), ("bottom", -1.0)] {
-            let u = [Some(0.0), Some(sign * STEP)];
-            boundary.displace(&model, group, u).expect("a grip");
-        }
-        let strength = Strength::Stress {
-            tensile: 2e6,
-            compressive: Some(20e6),
-        };
-        let law = Brittle::new(strength, steel().young, &model.points[0].micromodulus);
+        let law = brittle(&model);
         // As the pipeline has it: what clipping leaves between two sides of elements never breaks, and a
         // part of a bond takes the energy of the whole.
         let of_interaction = |s: usize| match model.regions_of_interaction(s) {
@@ -109,9 +60,10 @@ impl Plate {
             (0..model.interactions.len()).map(of_interaction).collect(),
             (0..model.interactions.len() as u32).collect(),
         );
+        let programme = Programme::proportional(pulled_apart(&model, STEP));
         Plate {
             model,
-            programme: Programme::proportional(boundary),
+            programme,
             laws,
         }
     }
@@ -167,7 +119,7 @@ impl Plate {
     }
 
     /// Interactions that meet a segment, by the two parameters of the point where the lines cross.
-    fn crossing(&self, [p, q]: Crack) -> usize {
+    fn crossing(&self, [p, q]: Segment) -> usize {
         let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
         let from_to = |a: [f64; 2], b: [f64; 2]| [b[0] - a[0], b[1] - a[1]];
         let meets = |&s: &usize| {
@@ -250,7 +202,7 @@ fn a_notched_plate_separates_under_every_control() {
 
 /// Twenty columns long, its tips on no lattice line, and a whole number of elements, so that the parts of
 /// strips along it repeat.
-fn level_crack(y: f64) -> Crack {
+fn level_crack(y: f64) -> Segment {
     let start = 0.025 + 0.137 * DX;
     [[start, y], [start + 20.0 * DX, y]]
 }

@@ -6,20 +6,13 @@
 
 mod common;
 
-use common::*;
-use peristitch::boundary::Boundary;
-use peristitch::cracks::Cracks;
+use common::gripped_plate::*;
 use peristitch::fracture::bond_laws::BondLaws;
 use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Resolution, Until};
-use peristitch::fracture::laws::brittle::Brittle;
-use peristitch::fracture::laws::{Strength, StretchLimits};
 use peristitch::fracture::programme::{LoadPhase, Programme};
 use peristitch::fracture::response::Response;
 use peristitch::fracture::state::State;
-use peristitch::material::PlaneState;
-use peristitch::mesh::{CellKind, Edge};
-use peristitch::model::{Method, Model, PeridynamicSettings};
-use peristitch::peridynamics::lattice::Placement;
+use peristitch::model::Model;
 use peristitch::phases::collect;
 use peristitch::pipeline::read::plan::Plan;
 use peristitch::pipeline::stages::run::{Options, discretised};
@@ -28,63 +21,10 @@ use peristitch::statics::StaticsError;
 use peristitch::trace::Trace;
 use std::path::Path;
 
-const DX: f64 = 2.5e-3;
-
-/// 100 × 100 mm, grips of finite elements below and above 40 × 24 points, with a crack along each of
-/// the given lines.
-fn plate(lines: &[[[f64; 2]; 2]]) -> (Model, BondLaws) {
-    let grid = Grid {
-        size: [0.1, 0.1],
-        count: [10, 10],
-        kind: CellKind::Quad4,
-    };
-    let mut mesh = grid.plain();
-    name_cells(&mut mesh, "grips", |[_, y]| (y - 0.05).abs() > 0.03);
-    name_cells(&mut mesh, "points", |[_, y]| (y - 0.05).abs() < 0.03);
-    name_curve(&mut mesh, "top", |[_, y]| y > 0.1 - 1e-9);
-    name_curve(&mut mesh, "bottom", |[_, y]| y < 1e-9);
-    let edges: Vec<Edge> = lines
-        .iter()
-        .map(|line| {
-            let first = mesh.nodes.len();
-            mesh.nodes.extend(line);
-            Edge {
-                ends: [first, first + 1],
-                middle: None,
-            }
-        })
-        .collect();
-    let cracks = Cracks::new(&mesh, &edges);
-    let settings = PeridynamicSettings {
-        horizon_ratio: 3.0,
-        ..paper_lattice(DX, Placement::CellCentred)
-    };
-    let regions = vec![
-        region(&mesh, &["grips"], steel(), Method::FiniteElements),
-        region(&mesh, &["points"], steel(), Method::Peridynamics(settings)),
-    ];
-    let model = build(mesh, regions, PlaneState::Stress).with_cracks(&cracks);
-    let strength = Strength::Stress {
-        tensile: 2e6,
-        compressive: Some(20e6),
-    };
-    let law = Brittle::new(strength, steel().young, &model.points[0].micromodulus);
-    let class = |interaction| u32::from(model.interactions.bonds().contains(&interaction));
-    let laws = BondLaws::brittle(
-        vec![StretchLimits::NONE, law.limits],
-        (0..model.interactions.len()).map(class).collect(),
-    );
+fn plate(cracks: &[Segment]) -> (Model, BondLaws) {
+    let model = gripped_plate(cracks);
+    let laws = brittle_bonds(&model);
     (model, laws)
-}
-
-/// The bottom held, the top moved.
-fn grips(model: &Model, top: [f64; 2]) -> Boundary {
-    let mut boundary = Boundary::new(model);
-    let bottom = boundary.displace(model, "bottom", [Some(0.0); 2]);
-    bottom.expect("a grip");
-    let top = boundary.displace(model, "top", top.map(Some));
-    top.expect("a grip");
-    boundary
 }
 
 struct Course {
@@ -436,7 +376,7 @@ const TWO: [[[f64; 2]; 2]; 2] = [
 fn event_driven_from_one_crack_and_from_two() {
     for lines in [&[CENTRE][..], &TWO[..]] {
         let plate = plate(lines);
-        let programme = Programme::proportional(grips(&plate.0, [0.0, 1e-7]));
+        let programme = Programme::proportional(bottom_held(&plate.0, [0.0, 1e-7]));
         let [fast, reference] = compare(&plate, &programme, Control::EventDriven, 2000);
         assert!(
             reference > 100 && 5 * fast < reference,
@@ -452,7 +392,7 @@ fn event_driven_on_top_of_what_is_held() {
     let plate = plate(&[CENTRE]);
     let phase = |name: &str, top, end| LoadPhase {
         name: name.to_owned(),
-        boundary: grips(&plate.0, top),
+        boundary: bottom_held(&plate.0, top),
         increment: 1.0,
         end,
     };
@@ -472,7 +412,7 @@ fn load_steps() {
     let equilibrium = Control::Equilibrium { most_passes: 500 };
     for lines in [&[CENTRE][..], &TWO[..]] {
         let plate = plate(lines);
-        let programme = Programme::proportional(grips(&plate.0, [0.0, 1e-7]));
+        let programme = Programme::proportional(bottom_held(&plate.0, [0.0, 1e-7]));
         for control in [Control::OnePass, equilibrium] {
             let [fast, reference] = compare(&plate, &programme, control, 400);
             assert!(reference > 5 && 3 * fast < reference, "{fast} {reference}");
@@ -484,7 +424,7 @@ fn load_steps() {
 #[test]
 fn the_same_bits_with_any_number_of_threads() {
     let plate = plate(&[CENTRE]);
-    let programme = Programme::proportional(grips(&plate.0, [0.0, 1e-7]));
+    let programme = Programme::proportional(bottom_held(&plate.0, [0.0, 1e-7]));
     let [one, two] = [1, 2].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let run = || {

@@ -2,6 +2,7 @@
 
 mod common;
 
+use common::gripped_plate::*;
 use common::*;
 use peristitch::boundary::Boundary;
 use peristitch::cracks::Cracks;
@@ -14,7 +15,7 @@ use peristitch::fracture::programme::Programme;
 use peristitch::fracture::response::Response;
 use peristitch::fracture::state::State;
 use peristitch::material::PlaneState;
-use peristitch::mesh::{CellKind, Edge, Mesh};
+use peristitch::mesh::CellKind;
 use peristitch::model::{Method, Model, PeridynamicSettings};
 use peristitch::peridynamics::lattice::Placement;
 use peristitch::pipeline::read::plan::Plan;
@@ -25,9 +26,6 @@ use peristitch::verification::moduli::Square;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-const DX: f64 = 2.5e-3;
-/// Tensile and compressive strength of the plate [Pa].
-const STRENGTH: [f64; 2] = [2e6, 20e6];
 /// Prescribed on either grip per unit of the load factor [m].
 const STEP: f64 = 5e-8;
 
@@ -45,24 +43,10 @@ fn lattice_of(rows: usize, cracks: &[[[f64; 2]; 2]], settings: PeridynamicSettin
     let mut mesh = grid.plain();
     name_cells(&mut mesh, "points", |_| true);
     let method = Method::Peridynamics(settings);
-    let curve = curve(&mut mesh, cracks);
+    let edges = crack_edges(&mut mesh, cracks);
     let regions = vec![region(&mesh, &["points"], steel(), method)];
-    let cracks = Cracks::new(&mesh, &curve);
+    let cracks = Cracks::new(&mesh, &edges);
     build(mesh, regions, PlaneState::Stress).with_cracks(&cracks)
-}
-
-/// Straight edges between nodes of their own.
-fn curve(mesh: &mut Mesh, segments: &[[[f64; 2]; 2]]) -> Vec<Edge> {
-    let mut edges = Vec::new();
-    for &[a, b] in segments {
-        let first = mesh.nodes.len();
-        mesh.nodes.extend([a, b]);
-        edges.push(Edge {
-            ends: [first, first + 1],
-            middle: None,
-        });
-    }
-    edges
 }
 
 /// 100 × 100 mm: grips of finite elements below and above 40 × 24 points, pulled at both ends.
@@ -74,44 +58,19 @@ struct Plate {
 
 impl Plate {
     fn new(cracks: &[[[f64; 2]; 2]]) -> Plate {
-        let grid = Grid {
-            size: [0.1, 0.1],
-            count: [10, 10],
-            kind: CellKind::Quad4,
-        };
-        let mut mesh = grid.plain();
-        name_cells(&mut mesh, "grips", |[_, y]| (y - 0.05).abs() > 0.03);
-        name_cells(&mut mesh, "points", |[_, y]| (y - 0.05).abs() < 0.03);
-        name_curve(&mut mesh, "top", |[_, y]| y > 0.1 - 1e-9);
-        name_curve(&mut mesh, "bottom", |[_, y]| y < 1e-9);
-        let settings = PeridynamicSettings {
-            horizon_ratio: 3.0,
-            ..paper_lattice(DX, Placement::CellCentred)
-        };
-        let method = Method::Peridynamics(settings);
-        let curve = curve(&mut mesh, cracks);
-        let cracks = Cracks::new(&mesh, &curve);
-        let regions = vec![
-            region(&mesh, &["grips"], steel(), Method::FiniteElements),
-            region(&mesh, &["points"], steel(), method),
-        ];
-        let model = build(mesh, regions, PlaneState::Stress).with_cracks(&cracks);
-        let mut boundary = Boundary::new(&model);
-        for (group, sign) in [("top", 1.0), ("bottom", -1.0)] {
-            let u = [Some(0.0), Some(sign * STEP)];
-            boundary.displace(&model, group, u).expect("a grip");
-        }
-        let laws = laws(&model);
+        let model = gripped_plate(cracks);
+        let programme = Programme::proportional(pulled_apart(&model, STEP));
+        let laws = brittle_bonds(&model);
         Plate {
             model,
-            programme: Programme::proportional(boundary),
+            programme,
             laws,
         }
     }
 
     /// Half of the width cracked from the left at mid-height.
     fn notched() -> Plate {
-        Plate::new(&[[[0.0, 0.05], [0.05, 0.05]]])
+        Plate::new(&[NOTCH])
     }
 
     fn problem(&self, control: Control, steps: usize) -> Problem<'_> {
@@ -148,25 +107,6 @@ impl Plate {
 struct Step {
     state: State,
     record: Record,
-}
-
-/// Bonds as strong as [`STRENGTH`]; trusses never break.
-fn laws(model: &Model) -> BondLaws {
-    let [tensile, compressive] = STRENGTH;
-    let strength = Strength::Stress {
-        tensile,
-        compressive: Some(compressive),
-    };
-    let young = steel().young;
-    let micromodulus = &model.points[0].micromodulus;
-    let class = |interaction| u32::from(model.interactions.bonds().contains(&interaction));
-    BondLaws::brittle(
-        vec![
-            StretchLimits::NONE,
-            Brittle::new(strength, young, micromodulus).limits,
-        ],
-        (0..model.interactions.len()).map(class).collect(),
-    )
 }
 
 fn stretch(model: &Model, interaction: usize, displacement: &[[f64; 2]]) -> f64 {
@@ -296,7 +236,7 @@ fn strained(model: &Model, [xx, yy]: [f64; 2]) -> Vec<[f64; 2]> {
 #[test]
 fn both_branches_break_exactly_what_is_over_its_limit() {
     let model = lattice(12, &[]);
-    let laws = laws(&model);
+    let laws = brittle_bonds(&model);
     let [tension, compression] = STRENGTH.map(|strength| strength / steel().young);
     for (strain, share) in [
         ([1.5 * tension, 0.0], "tension"),
@@ -340,7 +280,7 @@ fn without_a_compressive_strength_compression_breaks_nothing() {
 #[test]
 fn unloading_and_loading_again_heal_nothing() {
     let model = lattice(12, &[]);
-    let laws = laws(&model);
+    let laws = brittle_bonds(&model);
     let large = 1.5 * STRENGTH[0] / steel().young;
     let mut state = free_state(&model);
     state.displacement = strained(&model, [large, 0.0]);

@@ -4,81 +4,29 @@
 
 mod common;
 
-use common::*;
+use common::gripped_plate::*;
+use common::nearest;
 use peristitch::boundary::Boundary;
-use peristitch::cracks::Cracks;
 use peristitch::fem::edge::EdgeLoad;
 use peristitch::fracture::bond_laws::BondLaws;
 use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Resolution, Until};
 use peristitch::fracture::functional::Functional;
-use peristitch::fracture::laws::brittle::Brittle;
-use peristitch::fracture::laws::{Strength, StretchLimits};
 use peristitch::fracture::programme::{LoadPhase, Programme};
 use peristitch::fracture::response::Response;
 use peristitch::fracture::state::State;
-use peristitch::material::PlaneState;
-use peristitch::mesh::{CellKind, Edge};
-use peristitch::model::{Method, Model, PeridynamicSettings};
-use peristitch::peridynamics::lattice::Placement;
+use peristitch::model::Model;
 use peristitch::statics::StaticsError;
 use std::sync::Arc;
 
-const DX: f64 = 2.5e-3;
 /// Prescribed on either grip per unit of a load factor [m].
 const STEP: f64 = 5e-8;
 
 const EVENTS: Control = Control::EventDriven;
 
-/// 100 × 100 mm, grips of finite elements below and above 40 × 24 points, cracked from the left to the
-/// middle at mid-height.
 fn plate() -> (Model, BondLaws) {
-    let grid = Grid {
-        size: [0.1, 0.1],
-        count: [10, 10],
-        kind: CellKind::Quad4,
-    };
-    let mut mesh = grid.plain();
-    name_cells(&mut mesh, "grips", |[_, y]| (y - 0.05).abs() > 0.03);
-    name_cells(&mut mesh, "points", |[_, y]| (y - 0.05).abs() < 0.03);
-    name_curve(&mut mesh, "top", |[_, y]| y > 0.1 - 1e-9);
-    name_curve(&mut mesh, "bottom", |[_, y]| y < 1e-9);
-    let first = mesh.nodes.len();
-    mesh.nodes.extend([[0.0, 0.05], [0.05, 0.05]]);
-    let crack = Edge {
-        ends: [first, first + 1],
-        middle: None,
-    };
-    let cracks = Cracks::new(&mesh, &[crack]);
-    let settings = PeridynamicSettings {
-        horizon_ratio: 3.0,
-        ..paper_lattice(DX, Placement::CellCentred)
-    };
-    let regions = vec![
-        region(&mesh, &["grips"], steel(), Method::FiniteElements),
-        region(&mesh, &["points"], steel(), Method::Peridynamics(settings)),
-    ];
-    let model = build(mesh, regions, PlaneState::Stress).with_cracks(&cracks);
-    let strength = Strength::Stress {
-        tensile: 2e6,
-        compressive: Some(20e6),
-    };
-    let law = Brittle::new(strength, steel().young, &model.points[0].micromodulus);
-    let class = |interaction| u32::from(model.interactions.bonds().contains(&interaction));
-    let laws = BondLaws::brittle(
-        vec![StretchLimits::NONE, law.limits],
-        (0..model.interactions.len()).map(class).collect(),
-    );
+    let model = gripped_plate(&[NOTCH]);
+    let laws = brittle_bonds(&model);
     (model, laws)
-}
-
-/// The bottom held, the top moved.
-fn grips(model: &Model, top: [f64; 2]) -> Boundary {
-    let mut boundary = Boundary::new(model);
-    let bottom = boundary.displace(model, "bottom", [Some(0.0); 2]);
-    bottom.expect("a grip");
-    let top = boundary.displace(model, "top", top.map(Some));
-    top.expect("a grip");
-    boundary
 }
 
 /// The bottom held, the top shifted and pulled by a traction [Pa].
@@ -189,7 +137,7 @@ fn assert_admissible(steps: &[Step]) {
 #[test]
 fn two_phases_of_the_same_load_are_one() {
     let (model, laws) = plate();
-    let load = || grips(&model, [0.0, 2.0 * STEP]);
+    let load = || bottom_held(&model, [0.0, 2.0 * STEP]);
     let whole = Programme::proportional(load());
     let (one_ending, one) = run(&model, &laws, &whole, EVENTS, 10_000);
     let onset = one[0].state.load.factor;
@@ -229,7 +177,7 @@ fn two_phases_of_the_same_load_are_one() {
 #[test]
 fn unloading_and_reloading_break_nothing_below_the_old_load() {
     let (model, laws) = plate();
-    let load = |sign: f64| grips(&model, [0.0, sign * 2.0 * STEP]);
+    let load = |sign: f64| bottom_held(&model, [0.0, sign * 2.0 * STEP]);
     let whole = Programme::proportional(load(1.0));
     let onset = run(&model, &laws, &whole, EVENTS, 1).1[0].state.load.factor;
     let top = (1.3 * onset).ceil();

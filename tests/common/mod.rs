@@ -1,6 +1,8 @@
 //! Models on structured meshes made in code, so that the physics is tested without a mesher.
 #![allow(dead_code, unused_imports)]
 
+pub mod gripped_plate;
+
 use peristitch::boundary::Boundary;
 use peristitch::coupling::Coupling;
 use peristitch::coupling::truss::NodeArea;

@@ -7,12 +7,20 @@
 mod common;
 
 use common::gripped_plate::*;
+use common::*;
+use peristitch::boundary::Boundary;
+use peristitch::cracks::Cracks;
 use peristitch::fracture::bond_laws::BondLaws;
 use peristitch::fracture::control::{self, Control, Ending, Problem, Record, Resolution, Until};
+use peristitch::fracture::laws::Strength;
+use peristitch::fracture::laws::brittle::Brittle;
 use peristitch::fracture::programme::{LoadPhase, Programme};
 use peristitch::fracture::response::Response;
 use peristitch::fracture::state::State;
-use peristitch::model::Model;
+use peristitch::material::PlaneState;
+use peristitch::mesh::{CellKind, Edge};
+use peristitch::model::{Method, Model, PeridynamicSettings};
+use peristitch::peridynamics::lattice::Placement;
 use peristitch::phases::collect;
 use peristitch::pipeline::read::plan::Plan;
 use peristitch::pipeline::stages::run::{Options, discretised};
@@ -285,11 +293,7 @@ fn notched_beam(load: impl Fn(&Model, &mut Boundary)) -> ((Model, BondLaws), Pro
         steel().young,
         &model.points[0].micromodulus,
     );
-    let class = |interaction| u32::from(model.interactions.bonds().contains(&interaction));
-    let laws = BondLaws::brittle(
-        vec![StretchLimits::NONE, law.limits],
-        (0..model.interactions.len()).map(class).collect(),
-    );
+    let laws = bonds_within(&model, law.limits);
     let mut boundary = Boundary::new(&model);
     for (group, components) in [("left", [Some(0.0); 2]), ("right", [None, Some(0.0)])] {
         boundary

@@ -47,8 +47,7 @@ pub(super) fn correct(
             let (directions, stress) = (&directions[node - first], &stress[node - first]);
             if directions.trace() > 0.0 {
                 let strain = &mut strains[node - first];
-                let factor =
-                    model.bond_young_of_point(node) / model.bond_young(points.region);
+                let factor = model.bond_young_of_point(node) / model.bond_young(points.region);
                 *strain = combined(strain, stress, directions, &(factor * moduli));
             }
         }

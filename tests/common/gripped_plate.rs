@@ -94,11 +94,16 @@ pub fn brittle(model: &Model) -> Brittle {
     Brittle::new(strength, steel().young, &model.points[0].micromodulus)
 }
 
-/// Brittle bonds; trusses never break.
+/// The plate's bonds; trusses never break.
 pub fn brittle_bonds(model: &Model) -> BondLaws {
+    bonds_within(model, brittle(model).limits)
+}
+
+/// Bonds with these limits; trusses never break.
+pub fn bonds_within(model: &Model, limits: StretchLimits) -> BondLaws {
     let class = |interaction| u32::from(model.interactions.bonds().contains(&interaction));
     BondLaws::brittle(
-        vec![StretchLimits::NONE, brittle(model).limits],
+        vec![StretchLimits::NONE, limits],
         (0..model.interactions.len()).map(class).collect(),
     )
 }

@@ -12,11 +12,14 @@ use crate::pipeline::record::solved::FractureRun;
 /// Steps that break bonds are shown one by one if there are no more of them.
 const MOST_DOTS: usize = 100;
 
+/// The place of a line of the history on a chart.
+type PlaceOnChart = Box<dyn Fn(&HistoryLine) -> [f64; 2]>;
+
 /// Axes of the chart of load over displacement, and the place of a line of the history on them.
 struct Scales {
     x: Axis,
     y: Axis,
-    at: Box<dyn Fn(&HistoryLine) -> [f64; 2]>,
+    at: PlaceOnChart,
 }
 
 impl Scales {

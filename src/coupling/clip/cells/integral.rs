@@ -28,9 +28,9 @@ pub struct Integral {
 impl Integral {
     /// Adds `weight` · N_a ν ds of one place.
     pub fn add(&mut self, weight: Point, place: &Place) {
-        for axis in 0..2 {
-            self.normal[axis] += weight[axis];
-            (0..2).for_each(|k| self.closure[k][axis] += weight[axis] * place.at[k]);
+        for (axis, weight) in weight.into_iter().enumerate() {
+            self.normal[axis] += weight;
+            (0..2).for_each(|k| self.closure[k][axis] += weight * place.at[k]);
         }
         for &(node, share) in &place.u {
             let g = self.g.entry(node).or_default();

@@ -239,8 +239,8 @@ impl<'a> Overlay<'a> {
         let place = |at: f64| [0, 1].map(|k| a[k] + at * frame.n[k]);
         let count = marks.len() - 1;
         let inside = |k: usize| match (&ends[0], &ends[1]) {
-            (Vertex::Point(_), _) if !has_ends => k % 2 == 0,
-            (_, Vertex::Point(_)) if !has_ends => (count - 1 - k) % 2 == 0,
+            (Vertex::Point(_), _) if !has_ends => k.is_multiple_of(2),
+            (_, Vertex::Point(_)) if !has_ends => (count - 1 - k).is_multiple_of(2),
             _ => {
                 let at = place(0.5 * (marks[k].0 + marks[k + 1].0));
                 marks[k + 1].0 - marks[k].0 > ON_INTERFACE * self.dx

@@ -4,6 +4,7 @@ use super::integral::{Integral, Place};
 use super::overlay::{ON_INTERFACE, ON_LINE, Overlay, Vertex, beside};
 use super::{Part, Point, Site};
 use crate::peridynamics::cells::CORNERS;
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Overlay<'_> {
@@ -13,9 +14,8 @@ impl Overlay<'_> {
         for square in self.near.clone() {
             for (corner, axis) in [([0, 0], 0), ([0, 0], 1), ([0, 1], 0), ([1, 0], 1)] {
                 let key = (beside(square, corner), axis);
-                if !edges.contains_key(&key) {
-                    let pieces = self.edge(key.0, key.1)?;
-                    edges.insert(key, pieces);
+                if let Entry::Vacant(place) = edges.entry(key) {
+                    place.insert(self.edge(key.0, key.1)?);
                 }
             }
         }

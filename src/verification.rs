@@ -4,6 +4,7 @@
 //! reference that does not come from this program: a closed form, a published figure, or zero where the
 //! method is exact.
 
+pub mod any_poisson;
 pub mod bend;
 pub mod bodies;
 pub mod centre_crack;
@@ -75,6 +76,7 @@ pub fn ladder() -> Vec<Case> {
     vec![
         quick("rigid modes", rigid_modes::measure),
         quick("lattice moduli", moduli::measure_moduli),
+        quick("any Poisson's ratio", any_poisson::measure),
         quick("energy of a cut", moduli::measure_energy_release),
         quick("strip", strips::measure),
         quick("linear patch", patches::measure_linear),

@@ -73,8 +73,21 @@ pub fn build(
     regions: Vec<Region>,
     coupling: Coupling,
 ) -> Result<Model, VerificationError> {
+    build_in(PlaneState::Stress, mesh, regions, coupling)
+}
+
+/// Builds a model of the thickness 1 m.
+///
+/// # Errors
+/// Errors of [`Model::build`].
+pub fn build_in(
+    plane: PlaneState,
+    mesh: Mesh,
+    regions: Vec<Region>,
+    coupling: Coupling,
+) -> Result<Model, VerificationError> {
     let settings = ModelSettings {
-        plane: PlaneState::Stress,
+        plane,
         thickness: 1.0,
         coupling,
     };

@@ -17,6 +17,7 @@ use super::bodies::{
 };
 use super::{Check, Reference, VerificationError};
 use crate::coupling::Coupling;
+use crate::material::Material;
 use crate::mesh::CellKind;
 use crate::mesh::grid::{Grid, name_cells};
 use crate::model::{Method, Model};
@@ -43,6 +44,14 @@ const QUADRATIC: [Field; 4] = [
 
 /// The paper's points with trusses; isotropised ones with the couplings that are exact.
 fn island(kind: CellKind, coupling: Coupling) -> Result<Model, VerificationError> {
+    island_of(material(1.0), kind, coupling)
+}
+
+fn island_of(
+    material: Material,
+    kind: CellKind,
+    coupling: Coupling,
+) -> Result<Model, VerificationError> {
     let grid = Grid {
         size: [28.0 * DX, 24.0 * DX],
         count: [7, 6],
@@ -59,8 +68,8 @@ fn island(kind: CellKind, coupling: Coupling) -> Result<Model, VerificationError
     };
     let points = Method::Peridynamics(settings);
     let regions = vec![
-        region(&mesh, &["around"], material(1.0), Method::FiniteElements),
-        region(&mesh, &["island"], material(1.0), points),
+        region(&mesh, &["around"], material, Method::FiniteElements),
+        region(&mesh, &["island"], material, points),
     ];
     build(mesh, regions, coupling)
 }
@@ -94,6 +103,20 @@ pub fn measure_linear() -> Result<Vec<Check>, VerificationError> {
             reference,
             source,
             measured: error(&island(kind, coupling)?, &UNIT_STRAINS)?,
+        });
+    }
+    for (poisson, quantity) in [
+        (0.2, "error, clip, Q8, ν = 0.2"),
+        (0.4, "error, clip, Q8, ν = 0.4"),
+    ] {
+        let young = 1.0;
+        let material = Material { young, poisson };
+        checks.push(Check {
+            case: "linear patch",
+            quantity,
+            reference: EXACT,
+            source: "exact",
+            measured: error(&island_of(material, q8, Coupling::Clip)?, &UNIT_STRAINS)?,
         });
     }
     Ok(checks)

@@ -429,9 +429,7 @@ fn a_pipeline_chooses_exaggeration_colours_and_titles() {
     };
     assert!(height(&chosen) < height(&plain) - 30.0);
     let (ranged, _) = run(&["output.colour_ranges={ stress-xx: [0 MPa, 40 MPa] }"]);
-    for tick in [">0<", ">10<", ">40<"] {
-        assert!(ranged.contains(tick), "{tick}");
-    }
+    assert!(ranged.contains(">40<") && !plain.contains(">40<"));
     for (set, message) in [
         ("output.exaggeration=-1", "exaggeration"),
         ("output.percentiles=[99, 1]", "percentiles"),

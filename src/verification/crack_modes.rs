@@ -210,9 +210,9 @@ mod tests {
             assert!(error < 1e-4, "{mode:?}: {far}");
             for x in [-0.7, 0.0, 0.4] {
                 let face = stress(mode, [x, 2e-5]);
-                // The stress grows from zero at the face, at some 1/a; h is a twentieth of this.
+                // The stress grows from zero at the face, at less than 10/a here.
                 assert!(
-                    face[1].abs().max(face[2].abs()) < 1e-4,
+                    face[1].abs().max(face[2].abs()) < 2e-4,
                     "{mode:?} {x}: {face}"
                 );
             }

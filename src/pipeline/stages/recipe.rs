@@ -260,6 +260,7 @@ loading: { control: equilibrium, steps: 9, until: steps, most_passes: 8, increme
            phases: [{ name: up, increment: 0.2, to: 6 }], reference: { first_break: 5, separated: 4 } }
 probes: { tip: { at: [1 m, 2 m], component: y, reference: 3 mm }, cmod: { between: [[0, 1 m], [0, 2 m]], component: y } }
 output: { fields: [stress], every: 2, bonds: true, pictures: [mesh], pictures_at: [3], formats: [svg],
+          exaggeration: 100, percentiles: [1, 99], colour_ranges: { stress-yy: [0 MPa, 5 MPa] },
           animation: true, report: false }
 sweep: { over: { thickness: { from: 1 mm, to: 2 mm, count: 3, scale: log } }, combine: zipped }
 ";

@@ -379,7 +379,7 @@ mod tests {
             boundary: [{ group: low, displacement: { x: 0, y: 0 } }]\n\
             sweep:\n  combine: zipped\n  over:\n    geometry.parameters.a: [20, 25]\n\
             \x20   regions.0.angle: [0 deg, 45 deg]\n    regions.0.spacing: [1 mm, 2 mm]\n\
-            \x20   plane: [stress, strain]\n    thickness: [1 mm, 1 mm]\n";
+            \x20   plane: [stress, strain]\n";
         let path = folder.path().join("plate.yaml");
         fs::write(&path, yaml).expect("writable");
         let study = Study::read(&path, &[], None).expect("a study");
@@ -394,6 +394,5 @@ mod tests {
         let spacing = Some((vec![1e-3, 2e-3], "m".to_owned(), false));
         assert_eq!(found("regions.0.spacing"), spacing);
         assert_eq!(found("plane"), None);
-        assert_eq!(found("thickness"), None);
     }
 }

@@ -11,7 +11,7 @@
 //! a uniform strain comes back exactly, from whatever family: also where it is cut by a free surface or
 //! an interface. A bond carries φ k ξ s, so that σ fades with damage. The bonds across a joint of two materials
 //! stretch as the mean of its sides, and count only where the others are too few. Beside sides and joints
-//! [`super::tractions`] has the last word.
+//! `tractions.rs` replaces the strain.
 
 use super::{strain_tensor, stress_tensor, tractions};
 use crate::model::{FamilyMember, Model};

@@ -96,7 +96,7 @@ impl Material {
         Ok(())
     }
 
-    /// What the bonds and the cells of a lattice carry.
+    /// The elasticity of a lattice of this material, in its two parts.
     pub fn on_lattice(&self, plane: PlaneState) -> LatticeElasticity {
         if (self.poisson - plane.bond_based_poisson()).abs() <= POISSON_TOLERANCE {
             return LatticeElasticity {

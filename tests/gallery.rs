@@ -307,16 +307,16 @@ const L_PATH: [[f64; 2]; 6] = [
 #[test]
 fn l_panel() {
     let run = Run::new("l_panel", &["loading.steps=2600"]);
-    // Elements alone give 59.1 to 60.5 kN/mm; the band's ν = 1/3 for 0.18 makes it stiffer.
-    assert_near("stiffness", run.stiffness(), 60.9e6, 0.1e6);
+    // Elements alone give 59.1 to 60.5 kN/mm.
+    assert_near("stiffness", run.stiffness(), 60.4e6, 0.1e6);
     // The brittle bonds' limit: the test bore 7.22 kN.
-    assert_near("peak", run.peak(), 12.94e3, 0.1e3);
+    assert_near("peak", run.peak(), 13.10e3, 0.1e3);
     let off = |path: &[[f64; 2]]| L_PATH.map(|[x, y]| 1e3 * height(path, 1e-3 * x, 5e-3) - y);
     let mean = |off: [f64; 6]| off.iter().map(|off| off.abs()).sum::<f64>() / 6.0;
-    // 5.2 mm measured, a spacing; which way a crack turns is decided bond by bond, on a lattice.
+    // 5.1 mm measured, a spacing; which way a crack turns is decided bond by bond, on a lattice.
     let turned = off(&run.path());
     assert!(mean(turned) < 8.0, "{turned:?} mm");
-    // 24.9 mm measured.
+    // 32.6 mm measured.
     let along = Run::new("l_panel", &["loading.steps=2400", "regions.1.angle=0"]);
     let along = off(&along.path());
     assert!(mean(along) > 15.0, "{along:?} mm");

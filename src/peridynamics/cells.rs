@@ -51,7 +51,7 @@ enum Square {
 /// Area and centroid of a piece [m², m].
 type Piece = (f64, [f64; 2]);
 
-/// What a cell owns around one of its corners.
+/// The part of the body that a cell owns around one of its corners.
 #[derive(Clone, Copy, Default)]
 struct Owned {
     area: f64,

@@ -289,7 +289,10 @@ impl<'a> Overlay<'a> {
             (Vertex::Outside(_), Vertex::Point(p)) => {
                 (p.clone(), self.point(beside(last, step)), share - 1.0)
             }
-            _ => (a.place()?, b.place(), share),
+            _ => match a.place() {
+                Some(from) => (from, b.place(), share),
+                None => return self.interpolated(at),
+            },
         };
         let Some(to) = to else {
             return self.interpolated(at);

@@ -134,7 +134,7 @@ fn zero_is_on_both_axes() {
     }
 }
 
-/// Of values that differ by a hundredth, the axis shows the hundredth.
+/// The axis of values that differ by a hundredth shows the hundredth.
 #[test]
 fn a_cropped_axis_shows_a_percent() {
     let points = vec![[10.0, 100.0], [20.0, 101.0]];

@@ -38,7 +38,7 @@ pub enum Pictures {
     Listed(Vec<PictureKind>),
 }
 
-/// What yields is metal, so von Mises' stress is drawn on request; what breaks follows the largest tension.
+/// The pictures without a choice. Von Mises' stress, which is for metals that yield, is drawn on request.
 const USUAL: [PictureKind; 10] = [
     PictureKind::Mesh,
     PictureKind::DisplacementX,

@@ -148,10 +148,12 @@ fn a_bar_with_free_sides_stretches_as_it_should() {
         (PlaneState::Stress, 0.4, 0.0, 0.5),
         (PlaneState::Strain, 0.2, 0.0, 0.5),
         (PlaneState::Strain, 0.45, 0.0, 0.5),
-        // Where the interface meets a free side it cuts squares with a corner beyond both.
+        // Where the interface meets a free side it cuts squares with a corner beyond both. Free sides that cut
+        // through a turned lattice leave more, with bonds alone too (0.31 % at 45° in the bar of Table 1, 0.28 %
+        // with cells).
         (PlaneState::Stress, 0.2, 20.0, 1.0),
-        (PlaneState::Stress, 0.2, 45.0, 1.0),
-        (PlaneState::Stress, 0.4, 67.5, 1.0),
+        (PlaneState::Stress, 0.2, 45.0, 1.5),
+        (PlaneState::Stress, 0.4, 67.5, 1.5),
     ] {
         let material = Material {
             young: 30e9,

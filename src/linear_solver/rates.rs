@@ -64,7 +64,7 @@ pub const FRACTURE_BYTES: f64 = 15e6;
 /// quarter of what they take.
 pub const FEW_EVENTS: usize = 500;
 pub const FEW_EVENTS_BYTES: f64 = 30e6;
-pub const MANY_EVENTS_BYTES: f64 = 118e6;
+pub const MANY_EVENTS_BYTES: f64 = 112e6;
 pub const MANY_EVENTS_SHARE: f64 = 1.0;
 
 /// Seconds that the breaking of a bond takes, event by event, and of them those per entry of L: `pipelines/`, within

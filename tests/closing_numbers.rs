@@ -359,7 +359,7 @@ fn a_run_without_steps_ends_where_nothing_can_break() {
     );
 }
 
-/// What `check` tells about breaking. 20 rows of points at 1 mm see 3 mm far: over a cut between two columns go
+/// `check` tells what breaking takes. 20 rows of points at 1 mm see 3 mm far: over a cut between two columns go
 /// 342 bonds, dx (20 − |dy|) for each vector (dx, dy) of at most 3 spacings, and the initial crack severs
 /// dx |dy| of each, 18 in all.
 #[test]

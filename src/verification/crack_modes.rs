@@ -38,9 +38,9 @@ pub enum Mode {
 /// How the crack is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Crack {
-    /// As an initial crack: bonds are severed, and the surface correction does not know of it.
+    /// The crack is an initial crack: bonds are severed, and the surface correction does not know of it.
     Severed,
-    /// As a slit of the mesh, whose faces are free sides.
+    /// The crack is a slit of the mesh, whose faces are free sides.
     Slit,
 }
 
